@@ -38,7 +38,7 @@ class ObstacleBoundary : public Boundary {
   std::shared_ptr<Obstacles> obstacles_;
 };
 
-// `Inside` is what particles meet in the box, which knows nothing of its repetition.
+// `Inside` is what particles meet in the box; it does not know that the box is periodic.
 template <class Inside>
 class PeriodicBoundary : public Inside {
  public:
@@ -72,7 +72,7 @@ class PeriodicBoundary : public Inside {
   PeriodicDomain domain_;
 };
 
-// Walls along the other axes do not depend on the place along the periodic ones, so paths are computed without it.
+// Walls along the other axes do not depend on the position along the periodic ones, so paths are computed without it.
 class PeriodicWalls : public PeriodicBoundary<WallBoundary> {
  public:
   using PeriodicBoundary::PeriodicBoundary;
@@ -97,8 +97,8 @@ class PeriodicObstacles : public PeriodicBoundary<ObstacleBoundary> {
   }
 };
 
-// Two dimensions. Nothing pushes along y but rounding, if anything; but a layer that is pressed together buckles, which
-// would make metres of it.
+// Two dimensions. Nothing pushes along y except perhaps rounding, but a layer that is compressed buckles, which would
+// amplify this to metres.
 template <class Inside>
 class Layer : public Inside {
  public:

@@ -10,7 +10,7 @@ namespace trevi {
 
 namespace {
 
-// Two directions along the disc, at right angles.
+// Two perpendicular directions in the plane of the disc.
 struct Plane {
   Vec3 u, v;
 };
@@ -25,10 +25,10 @@ Plane across(const Vec3& normal) {
   return {u, v};
 }
 
-// How far a curved surface may be off the disc that stands for it.
+// Distance by which a curved surface may deviate from the disc that represents it.
 constexpr Real bulge = 0.25;  // spacings
 
-// The weight of what counts of the disc, but for a factor.
+// The weight of the part of the disc that counts, up to a factor.
 template <class Counts>
 Real weight_of(const Counts& counts, int dimensions) {
   constexpr int samples = 64;  // across
@@ -42,7 +42,7 @@ Real weight_of(const Counts& counts, int dimensions) {
   return sum;
 }
 
-// The integral of 1 - x² - y² over [0, a] x [0, b] as far as that is in the disc of radius 1.
+// The integral of 1 - x² - y² over the part of [0, a] x [0, b] that is in the disc of radius 1.
 Real integral_to(Real a, Real b) {
   if (a < 0) return -integral_to(-a, b);
   if (b < 0) return -integral_to(a, -b);
@@ -50,7 +50,7 @@ Real integral_to(Real a, Real b) {
   b = std::min(b, 1.0);
   const auto below = [b](Real x) { return x * b * (1 - (x * x + b * b) / 3); };  // where all of [0, b] is in the disc
   if (a * a + b * b <= 1) return below(a);
-  const auto within = [](Real x) {  // of 2/3 (1 - x²)^(3/2), which is what is left up to the edge
+  const auto within = [](Real x) {  // integral of 2/3 (1 - x²)^(3/2), the part up to the edge
     return (x * (5 - 2 * x * x) * std::sqrt(1 - x * x) + 3 * std::asin(x)) / 12;
   };
   const Real edge = std::sqrt(1 - b * b);
@@ -164,7 +164,7 @@ void PressureGauges::add_to(std::size_t k, const Vec3& shift, const Vec3& p) {
   });
 }
 
-// The grid's phi is negative where there is pressure.
+// On the grid phi is negative where there is pressure.
 void PressureGauges::add_phi(std::size_t gauge, Real phi) { sums_.mine()[gauge] -= std::llround(phi / unit_); }
 
 std::vector<Real> PressureGauges::total(MPI_Comm comm) {

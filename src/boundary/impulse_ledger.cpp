@@ -10,7 +10,7 @@ namespace trevi {
 
 namespace {
 
-// In units: far beyond any distance that a solver would let a particle travel, and a number in any case.
+// Limited, in units, to far more than any distance that a solver would let a particle travel; a number in any case.
 Real countable(Real units) {
   constexpr Real most = 0x1p55;
   return std::max(-most, std::min(most, units));
@@ -31,7 +31,7 @@ void ImpulseLedger::clear() {
   sums_.for_each([&](auto& sums) { sums.assign(columns_, 0); });
 }
 
-// Rounded in one instruction, which std::llround() is not; a scene with obstacles does this for all that is at a wall.
+// Rounded by a single instruction, unlike std::llround(); a scene with obstacles does this for everything at a wall.
 void ImpulseLedger::count(const Vec3& shift, const Vec3& moment, std::int64_t* sums) const {
   for (std::size_t a = 0; a < 3; ++a) {
     const auto axis = static_cast<Eigen::Index>(a);

@@ -88,7 +88,7 @@ OpenDisc::OpenDisc(const GaugeSettings& gauge, const StandingSolids& solids, con
     within.min[a] = -INFINITY;
     within.max[a] = INFINITY;
   }
-  std::vector<std::pair<Vec3, Real>> parts;  // of the disc in the box: places on it, weights
+  std::vector<std::pair<Vec3, Real>> parts;  // of the disc in the box: positions on it, weights
   for (int k = 0; k < samples * rows; ++k) {
     const Vec3 from((k % samples + 0.5) * edge - radius, in_layer ? 0 : (k / samples + 0.5) * edge - radius, 0);
     const Vec3 half(edge / 2, edge / 2, 0);
@@ -98,7 +98,7 @@ OpenDisc::OpenDisc(const GaugeSettings& gauge, const StandingSolids& solids, con
     const Box2 square{low.x(), low.y(), high.x(), high.y()};
     const Real weight = in_layer ? gauge_weight_in_layer_of(square, radius) : gauge_weight_of(square, radius);
     if (weight <= 0) continue;
-    // A solid that meets a wall of the box goes on behind it.
+    // A solid that meets a wall of the box continues behind it.
     const Vec3 place = (gauge.center + from).cwiseMax(within.min + half).cwiseMin(within.max - half);
     parts.emplace_back(Vec3(place.x(), place.y(), gauge.center.z()), weight);
   }

@@ -10,7 +10,7 @@ namespace trevi {
 
 namespace {
 
-// What a particle misses where lattice points are behind all of the planes at distances d, along as many axes.
+// What a particle lacks because lattice points are behind all of the planes at the distances d along as many axes.
 struct Missing {
   Real value = 0;  // of the whole lattice sum
   Real pull = 0;   // magnitude of its gradient along the first axis, 1/m
@@ -75,8 +75,8 @@ void AnalyticWallDensity::tabulate_ratios() {
   }
 }
 
-// `side` is −1 for a plane below the particle and +1 for one above. Derivatives are along the axis, not by the
-// distance.
+// `side` is −1 for a plane below the particle and +1 for one above. Derivatives are along the axis, not with respect to
+// the distance.
 AnalyticWallDensity::Plane AnalyticWallDensity::plane_at(Real distance, int axis, Real side) const {
   const Real x = distance * per_spacing_ - 0.5, per = -side * per_spacing_;
   if (x < 0) return {axis, 0, value_[0] + slope_[0] * spacing_ * x, -side * slope_[0], 0, 0};

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Real pairs_per_particle = 20;
 
-// The work of the own rows in each of the slabs of `next`, from number `first` to `last`, that the own planes are in.
+// The work of the owned rows in each of the slabs of `next`, from number `first` to `last`, that contain owned planes.
 std::vector<std::vector<Real>> work_of_own_rows(const CellOrder& order, const NeighbourList& list, const Slabs& next,
                                                 int first, int last) {
   const std::vector<Real> none(static_cast<std::size_t>(order.rows()), 0.0);
@@ -53,7 +53,7 @@ void cut_rows(MPI_Comm comm, std::span<const Real> weights, int parts, Slabs& sl
   slabs.set_rows(std::move(rows), parts);
 }
 
-// Whole numbers, so that no order of a sum is seen.
+// Whole numbers, so that sums do not depend on the order.
 std::vector<Real> Balance::work_of_planes(const CellOrder& order, const NeighbourList& list, const Slabs& slabs) const {
   std::vector<Real> mine;
   for (LocalId k = 0; k < order.planes(); ++k) mine.push_back(plane_work(order, list, k, k + 1));
@@ -64,8 +64,9 @@ std::vector<Real> Balance::work_of_planes(const CellOrder& order, const Neighbou
   return all;
 }
 
-// The work of the rows of a slab of `next`, not yet cut inside, on the first rank of the slab of that number; none on
-// others. The particles are in the slabs of `now`, and each rank has its rows of its planes.
+// On the first rank of each slab, the work of the rows of the slab of `next` with the same number, which is not yet cut
+// inside; empty on other ranks. The particles are in the slabs of `now`, and each rank has its own rows of its own
+// planes.
 std::vector<Real> Balance::work_of_rows(const CellOrder& order, const NeighbourList& list, const Slabs& now,
                                         const Slabs& next) const {
   const int rank = rank_of(comm_), parts = now.parts();
@@ -77,7 +78,7 @@ std::vector<Real> Balance::work_of_rows(const CellOrder& order, const NeighbourL
     std::vector<Real>& rows = given[static_cast<std::size_t>(slab - first)];
     MPI_Isend(rows.data(), static_cast<int>(rows.size()), MPI_DOUBLE, slab * parts, 0, comm_, &requests.emplace_back());
   }
-  std::vector<std::pair<Range, std::vector<Real>>> received;  // which rows
+  std::vector<std::pair<Range, std::vector<Real>>> received;  // each with its rows
   if (rank % parts == 0) {
     const int mine = rank / parts;
     for (int slab = now.slab_of(next.first_plane(mine)); slab <= now.slab_of(next.end_plane(mine) - 1); ++slab) {
@@ -95,7 +96,7 @@ std::vector<Real> Balance::work_of_rows(const CellOrder& order, const NeighbourL
   return all;
 }
 
-// Cuts the slabs of `next` inside; returns their imbalance then.
+// Cuts the slabs of `next` inside; returns their imbalance after that.
 Real Balance::cut_rows(const CellOrder& order, const NeighbourList& list, const Slabs& now, Slabs& next) const {
   const int parts = now.parts();
   const std::vector<Real> work = work_of_rows(order, list, now, next);
@@ -110,7 +111,7 @@ Real Balance::cut_rows(const CellOrder& order, const NeighbourList& list, const 
   return imbalance_of(most, std::accumulate(work.begin(), work.end(), 0.0), now.ranks());
 }
 
-// From the most work that this rank knows a rank to have, and from the work that it sees to.
+// From the largest work of any rank that this rank knows of, and from the work for which it is responsible.
 Real Balance::imbalance_of(Real most, Real sum, int ranks) const {
   all_reduce(comm_, &most, 1, MPI_DOUBLE, MPI_MAX);
   all_reduce(comm_, &sum, 1, MPI_DOUBLE, MPI_SUM);
@@ -128,7 +129,7 @@ void Balance::update(std::int64_t step, const CellOrder& order, const NeighbourL
   history_.max = std::max(history_.max, now);
   Slabs even(work, slabs.slabs());
   const Real then = rows_are_cut ? cut_rows(order, list, slabs, even) : even.imbalance(work);
-  // Where there is little water a rank may get many empty planes, more than it can count the cells of.
+  // Where there is little water, a rank may get many empty planes, with more cells than it can count.
   if (then > now - min_gain_ || !even.cells_fit(order.grid())) return;
   slabs = std::move(even);
   ++history_.moves;

@@ -16,8 +16,8 @@ Range overlap(const Range& a, const Range& b) {
 
 bool is_empty(const CellWindow& window) { return window.planes.size() == 0 || window.rows.size() == 0; }
 
-// The numbers of the pieces between cuts of planes or rows that may be next to `own` on a level, in ascending order.
-// They are looked for from there, not among all.
+// The numbers of the pieces between cuts of planes or rows that may be adjacent to `own` on a level, in ascending
+// order. The search starts at `own` and does not go through all pieces.
 std::vector<int> near_pieces(std::span<const LocalId> cuts, int level, const Range& own, bool repeats) {
   const LocalId all = first_on_level(cuts.back(), level);
   // The first cut at or after a place.
@@ -48,7 +48,7 @@ class Level {
 
   CellWindow window(int rank) const { return window_on_level(cuts_.window(rank), level_); }
   bool takes_part(int rank) const { return level_ == 0 || !is_empty(window_on_level(cuts_.window(rank), level_ - 1)); }
-  // visit(other) for the ranks whose windows may be next to this one, in ascending order.
+  // Calls visit(other) for the ranks whose windows may be adjacent to this one, in ascending order.
   template <class Visit>
   void for_each_near(const CellWindow& own, const Visit& visit) const {
     const std::size_t cuts_of_slab = static_cast<std::size_t>(cuts_.parts) + 1;
@@ -57,7 +57,7 @@ class Level {
       for (const int part : near_pieces(rows, level_, own.rows, repeats_[1])) visit(slab * cuts_.parts + part);
     }
   }
-  // visit(plane, row, planes, rows) for the zones around a window that there are: which cells of the box they hold.
+  // Calls visit(plane, row, planes, rows) for the existing zones around a window, with the cells of the box in them.
   template <class Visit>
   void for_each_zone(const CellWindow& own, const Visit& visit) const {
     for (const int plane : {-1, 0, 1}) {
@@ -91,7 +91,7 @@ CellPeers cell_peers(const CellCuts& cuts, int rank, int level, const std::array
   CellPeers peers;
   peers.rows = own.rows.size();
   peers.rows_are_cut = cuts.parts > 1;
-  // What `receiver` needs of `sender`: visit(plane, row, rows of the box).
+  // Calls visit(plane, row, rows of the box) for the data that `receiver` needs from `sender`.
   const auto for_each_piece = [&](const CellWindow& receiver, const CellWindow& sender, const auto& visit) {
     on.for_each_zone(receiver, [&](int plane, int row, const Range& planes, const Range& rows) {
       const Range common = overlap(rows, sender.rows);

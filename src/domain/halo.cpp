@@ -15,7 +15,7 @@ int message_length(std::size_t bytes) {
   return static_cast<int>(bytes);
 }
 
-// Planes of a piece as who sends it or who receives it counts them, from the low ghost plane on.
+// Planes of a piece as counted by its sender and by its receiver, from the low ghost plane on.
 Range planes_to_send(const CellPiece& piece, LocalId planes) {
   return piece.plane < 0 ? Range{planes, planes + 1} : piece.plane > 0 ? Range{1, 2} : Range{1, planes + 1};
 }
@@ -23,7 +23,7 @@ Range planes_to_fill(const CellPiece& piece, LocalId planes) {
   return piece.plane < 0 ? Range{0, 1} : piece.plane > 0 ? Range{planes + 1, planes + 2} : Range{1, planes + 1};
 }
 
-// Some slices of memory as one message.
+// Several slices of memory as one message.
 class Slices {
  public:
   void add(const void* data, std::size_t bytes) {
@@ -33,7 +33,7 @@ class Slices {
     bytes_ += bytes;
   }
   std::size_t bytes() const { return bytes_; }
-  // To be freed.
+  // To be freed by the caller.
   MPI_Datatype type() const {
     MPI_Datatype type;
     message_length(bytes_);
@@ -85,8 +85,8 @@ void Halo::find_peers(const CellOrder& order, const CellCuts& cuts) {
   peers_ = cell_peers(cuts_, rank_of(comm_), 0, {ring_, order.grid().is_periodic(1)});
 }
 
-// Of zones in ghost planes beside the own rows straight to their places in the plane, of other zones, which are rows,
-// to theirs.
+// Counts for zones in ghost planes beside the owned rows go directly to their places in the plane; those for other
+// zones, which are rows, go to the places of these rows.
 void Halo::exchange_counts(CellOrder& order) {
   const auto columns = static_cast<std::size_t>(order.grid().columns()), rows = static_cast<std::size_t>(order.rows());
   const auto planes = static_cast<std::size_t>(order.planes());

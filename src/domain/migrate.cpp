@@ -16,7 +16,7 @@ namespace trevi {
 
 namespace {
 
-// The owned particles that leave, in ascending order: to each of the neighbours, and whether any go farther.
+// The owned particles that leave, in ascending order, for each neighbour; and whether any move farther.
 struct Leaving {
   std::vector<std::vector<LocalId>> to;
   int far = 0;
@@ -27,7 +27,7 @@ struct Leaving {
   }
 };
 
-// The ranks with cells around this one's, in ascending order.
+// The ranks with cells around those of this rank, in ascending order.
 std::vector<int> neighbours_of(int rank, const CellGrid& grid, const Slabs& slabs) {
   std::vector<int> ranks;
   for (const CellPiece& piece : cell_peers(slabs.cuts(), rank, 0, {grid.is_periodic(0), grid.is_periodic(1)}).from)
@@ -113,8 +113,8 @@ std::vector<int> owners_of(const std::vector<Vec3>& positions, const CellGrid& g
   return owners;
 }
 
-// Swaps buffers with the neighbours: what arrived from each. Messages count particles rather than bytes: a plane of a
-// large box may hold 27 million of them, whose bytes do not fit into an int.
+// Exchanges buffers with the neighbours; returns what arrived from each. Messages count particles rather than bytes: a
+// plane of a large box may hold 27 million of them, whose bytes do not fit into an int.
 std::vector<std::vector<std::byte>> exchange(MPI_Comm comm, const std::vector<int>& neighbours,
                                              const std::vector<std::vector<std::byte>>& outgoing,
                                              std::size_t particle_bytes) {

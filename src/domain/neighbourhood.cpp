@@ -97,7 +97,7 @@ void Neighbourhood<T>::move_ghosts(std::size_t direction, Range range, Real turn
   for_each_index(range, [this, axis, units](std::size_t i) { move(records_[i], axis, units); });
 }
 
-// Ghosts that come from beyond an end of the box, to the place where they are neighbours.
+// Moves ghosts that come from beyond an end of the box to the positions where they are neighbours.
 template <class T>
 void Neighbourhood<T>::move_ghosts_from_beyond() {
   const CellGrid& grid = order_.grid();

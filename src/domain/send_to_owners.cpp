@@ -16,7 +16,7 @@ std::vector<int> starts_of(const std::vector<int>& counts) {
   return starts;
 }
 
-/// Particles for each rank, and where they begin among all that are sent or received.
+/// Number of particles for each rank, and where they begin among all that are sent or received.
 struct Counts {
   explicit Counts(std::vector<int> of_ranks) : counts(std::move(of_ranks)), starts(starts_of(counts)) {}
   std::size_t total() const { return static_cast<std::size_t>(starts.back() + counts.back()); }
@@ -36,7 +36,7 @@ std::vector<int> swap_counts(MPI_Comm comm, const std::vector<int>& sent) {
   return received;
 }
 
-// The particles that leave, by their owners and then in their order.
+// The particles that leave, by owner, those of each owner in their order.
 std::vector<LocalId> leaving_by_owner(std::span<const int> owners, int rank, const Counts& sent) {
   std::vector<LocalId> leaving(sent.total());
   std::vector<int> next = sent.starts;

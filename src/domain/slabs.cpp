@@ -26,8 +26,8 @@ LocalId nearest_cut(std::span<const Real> before, Real weight) {
   return static_cast<LocalId>(next ? cut + 1 : cut);
 }
 
-// The first plane before `end` with at least this weight in the planes before it, looked for from there downwards in
-// strides that double: a rank has few of all planes.
+// The first plane before `end` with at least this weight in the planes before it. The search goes downwards from `end`
+// in strides that double, because a rank has few of all planes.
 LocalId first_within(std::span<const Real> before, LocalId end, Real weight) {
   LocalId last = end, stride = 1;
   while (last > 0 && before[static_cast<std::size_t>(std::max(last - stride, 0))] >= weight) {
@@ -38,7 +38,7 @@ LocalId first_within(std::span<const Real> before, LocalId end, Real weight) {
   return static_cast<LocalId>(std::lower_bound(first, before.begin() + last, weight) - before.begin());
 }
 
-// The lowest cuts with at most the weight `largest` on each rank but the first, as far as at least one plane for each
+// The lowest cuts with at most the weight `largest` on each rank except the first, as far as at least one plane per
 // rank allows.
 std::vector<LocalId> min_cuts(std::span<const Real> before, int ranks, Real largest) {
   std::vector<LocalId> cuts(static_cast<std::size_t>(ranks) + 1, 0);
@@ -66,7 +66,7 @@ std::vector<LocalId> even_cuts(std::span<const Real> weights, int parts) {
   const auto count = static_cast<LocalId>(weights.size());
   std::vector<Real> before(weights.size() + 1, 0.0);  // weight of all before this one
   std::partial_sum(weights.begin(), weights.end(), before.begin() + 1);
-  // By bisection down to rounding. It is at least the mean and exceeds that by one weight at most.
+  // By bisection down to rounding. The result is at least the mean and exceeds it by at most one weight.
   const Real mean = before.back() / parts, heaviest_one = *std::max_element(weights.begin(), weights.end());
   constexpr Real rounding = 1e-13;
   Real impossible = std::max(mean, heaviest_one) * (1 - rounding), largest = before.back();
@@ -74,7 +74,7 @@ std::vector<LocalId> even_cuts(std::span<const Real> weights, int parts) {
     (heaviest(before, min_cuts(before, parts, middle)) <= middle ? largest : impossible) = middle;
     middle = (impossible + largest) / 2;
   }
-  // Among the cuts with no larger weight, those nearest to equal parts.
+  // Among the cuts with no larger weight, those nearest to an equal division.
   const std::vector<LocalId> least = min_cuts(before, parts, largest);
   std::vector<LocalId> cuts(least.size(), 0);
   cuts.back() = count;
@@ -142,7 +142,7 @@ void Slabs::check_capacity(std::span<const Real> weights, const std::array<Local
   check_messages(weights, rows_and_columns, bytes_of_particle);
 }
 
-// The largest messages: what a plane sends of its particles, or one number of the coarse grid for each of its cells.
+// The largest messages: the data of its particles that a plane sends, or one number of the coarse grid per cell.
 void Slabs::check_messages(std::span<const Real> weights, const std::array<LocalId, 2>& rows_and_columns,
                            Real bytes_of_particle) const {
   const Real cells_per_plane = static_cast<Real>(rows_and_columns[0]) * rows_and_columns[1];

@@ -13,8 +13,8 @@ void lay_in_plane(ObstacleSettings& obstacle, const FluidSettings& fluid) {
   if (obstacle.shape == ShapeKind::cylinder) obstacle.height = fluid.spacing;
 }
 
-// Water goes through a slot. The level edge of a rectangle lies along x where the water goes straight up or down, and
-// along y otherwise (fluid/forcings/inlet.cpp).
+// Water flows through a slot. The horizontal edge of a rectangle lies along x where the water flows straight up or
+// down, and along y otherwise (fluid/forcings/inlet.cpp).
 void lay_in_plane(InletSettings& inlet, const FluidSettings& fluid) {
   if (fluid.dimensions != 2) return;
   inlet.center.y() = 0;
@@ -39,7 +39,7 @@ void lay_in_plane(DampingSettings& zone, const FluidSettings& fluid) {
   zone.max.y() = fluid.spacing / 2;
 }
 
-// The rectangle of a flow is a slot, as an inlet is.
+// The rectangle of a flow gauge is a slot, like that of an inlet.
 void lay_in_plane(GaugeSettings& gauge, const FluidSettings& fluid) {
   if (fluid.dimensions != 2) return;
   gauge.center.y() = 0;

@@ -38,7 +38,7 @@ Real stable_cfl(const Settings& settings) {
   return falls ? 2 : 0.2;
 }
 
-// The way to the nearest wall of those across which the zone does not go from end to end of the box.
+// The direction to the nearest wall among those between which the zone does not extend from end to end of the box.
 std::optional<Vec3> end_of_zone(const DampingSettings& zone, const Settings& settings) {
   const Vec3 below = zone.min - settings.domain.min, above = settings.domain.max - zone.max;
   const Real reach = settings.fluid.kernel_radius;

@@ -13,7 +13,7 @@ void ActiveRows::measure(const CellOrder& order, Halo& halo) {
   rows_ = order.rows();
   rows_are_cut_ = order.rows_are_cut();
   rows_wrap_ = order.grid().is_periodic(1) && !rows_are_cut_;
-  // Where the box ends nothing is received.
+  // Beyond the ends of the box nothing is received.
   for (auto* of_rows : {&surface_, &wet_, &near_}) of_rows->assign(index(planes_ + 2, -1), 0);
   PerThread<int> depth;
   for_each_row(rows_and_ghosts_of({0, planes_ + 2}),
@@ -54,7 +54,7 @@ LocalId ActiveRows::find_max_columns() const {
   return most;
 }
 
-// One more than the highest of the 3 x 3 rows around.
+// One more than the highest value of the surrounding 3 x 3 rows.
 void ActiveRows::spread(const std::vector<LocalId>& from, const CellRows& rows, std::vector<LocalId>& to) const {
   for_each_row(rows, [&](LocalId k, LocalId r) {
     LocalId highest = 0;

@@ -15,7 +15,7 @@ void BodyCoupling::add_cell(LocalId k, LocalId r, LocalId c, const Water& water)
   if (!given.isZero(0)) pushes_.add(nearest - bodies.first(), TotalImpulse{given, Vec3::Zero()});
 }
 
-// The rows of each thread, in integers: no order is seen.
+// Each thread sums its rows in integers, so the result does not depend on the order.
 std::vector<Six> BodyCoupling::pressed(const Water& water) {
   const ProjectionGrid& grid = water.surface.grid();
   RigidBodies& bodies = *obstacles_.floating();

@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "projection/cell_shifts.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 #include "projection/cell_vectors-inl.hpp"
@@ -13,7 +13,8 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// Of particles [i, end) as many as a vector has lanes, others 0; whole vectors are read where there is something.
+// Values of as many of the particles [i, end) as a vector has lanes, 0 in other lanes; whole vectors are read where
+// possible.
 template <class T>
 HWY_INLINE V load_scalars(std::span<const T> of, std::size_t i, std::size_t end) {
   const hn::Rebind<T, Wide> d;
@@ -31,7 +32,7 @@ HWY_INLINE V load_scalars(std::span<const T> of, std::size_t i, std::size_t end)
   return hn::IfThenElseZero(hn::FirstN(Wide(), std::min(end > i ? end - i : 0, hn::Lanes(Wide()))), all);
 }
 
-// From 1 where the density is that of water at rest down to 0 where it is that of a particle that is squeezed.
+// From 1 at the density of water at rest down to 0 at that of a squeezed particle.
 HWY_INLINE V unsqueezed(const Densities& densities, std::size_t i, std::size_t end) {
   constexpr Real range = projection::squeezed_full - projection::squeezed_begins;
   const V rho = load_scalars(densities.rho, i, end);
@@ -63,7 +64,7 @@ HWY_INLINE V3 load_path(const Motion& shifts, std::size_t i) {
   return {hn::Sub(p[0], x[0]), hn::Sub(p[1], x[1]), hn::Sub(p[2], x[2])};
 }
 
-// Sums over the particles of a cell: of(i) has the terms of those from i on, 0 beyond the last.
+// Sums over the particles of a cell: of(i) returns the terms of the particles from i on, and 0 beyond the last one.
 template <std::size_t count, class Of>
 HWY_INLINE std::array<Real, count> sum_cell(const CellParticles& cell, const Of& of) {
   alignas(64) Real lanes[count][virtual_lanes];
@@ -99,7 +100,7 @@ HWY_INLINE V dot(const V3& u, const V3& w) {
   return hn::MulAdd(u[0], w[0], hn::MulAdd(u[1], w[1], hn::Mul(u[2], w[2])));
 }
 
-// The particles of a cell that take on velocities.
+// The particles of a cell that take on the velocities of their new positions.
 template <class T>
 struct Carry {
   const Motion& shifts;
@@ -111,14 +112,14 @@ struct Carry {
 
   V weight(std::size_t i) const { return load_scalars(act, i, cell.end); }
   V3 carried(std::size_t i) const { return along(slope, less(load_path(shifts, i), &mean[0])); }
-  // From the first particle: exact along periodic axes, wherever the box begins.
+  // Relative to the first particle: exact along periodic axes, wherever the box begins.
   V3 place(std::size_t i) const { return less(load(shifts.x, i), shifts.x[cell.begin].data()); }
   V3 affine(std::size_t i) const { return along(slope, less(place(i), &mean[3])); }
   V3 noise(std::size_t i, const V3& affine) const {
     const V3 v = less(load(velocity, i), &mean[6]);
     return {hn::Sub(v[0], affine[0]), hn::Sub(v[1], affine[1]), hn::Sub(v[2], affine[2])};
   }
-  // Whether there is any weight.
+  // Returns whether there is any weight.
   bool find_means() {
     const auto sums = sum_cell<10>(cell, [&](std::size_t i) {
       const V w = weight(i);
@@ -136,7 +137,8 @@ struct Carry {
     for (std::size_t q = 0; q < 9; ++q) mean[q] = sums[q] / sums[9];
     return true;
   }
-  // What the noise would gain, as a share of it and of the affine motion; and of the affine motion so much of its own.
+  // The gain of the noise, as a fraction of noise and affine motion; and that part of the gain of the affine motion
+  // that is withheld, as a fraction of the affine motion.
   struct Gains {
     Real noise, smooth;
   };
@@ -177,7 +179,7 @@ HWY_INLINE void carry_cell_of(const Motion& shifts, const CellParticles& cell, c
   }
 }
 
-// Highway's dispatch takes no templates.
+// Highway's dispatch does not support templates.
 void remove_smooth_single(const CellFrame& frame, const Swept<float>& swept, const CellParticles& cell,
                           const AffineMap& smooth, Vec4<float>* out) {
   remove_smooth_of(frame, swept, cell, smooth, out);

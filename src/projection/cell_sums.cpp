@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "projection/cell_sums.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 #include "projection/cell_vectors-inl.hpp"
@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// What particles of a cell add to its sums, in as many arrays of virtual lanes.
+// The contributions of the particles of a cell to its sums, with one array of virtual lanes for each quantity.
 struct Lanes {
   static constexpr std::size_t moments = 22, volumes = 27;
   alignas(64) double value[moments + volumes][virtual_lanes];
@@ -27,7 +27,7 @@ HWY_INLINE V square_above_zero(V v) {
   return hn::Mul(positive, positive);
 }
 
-// The part of a particle that is further than its middle by more than `way`, in cells: the integral of its density.
+// The fraction of a particle that lies more than `way` beyond its centre, in cells: the integral of its density.
 HWY_INLINE V part_beyond(const CellFrame& frame, V way, std::size_t a) {
   const Real flat = frame.flat[a], reach = frame.reach[a];
   const V w = hn::Max(way, set(-reach));
@@ -35,7 +35,7 @@ HWY_INLINE V part_beyond(const CellFrame& frame, V way, std::size_t a) {
   return hn::Mul(hn::Sub(sloped, square_above_zero(hn::Sub(set(-flat), w))), set(0.5 / (reach * reach - flat * flat)));
 }
 
-// The part of each particle's volume below the cell along a, in it and above it.
+// The fractions of each particle's volume below the cell along a, in the cell and above it.
 HWY_INLINE V3 parts(const CellFrame& frame, const ParticleVectors& particles, const ByAxis& corner, std::size_t a) {
   const V mid = clamp(particles.surface[a], frame.nearest[a] - corner[a], frame.farthest[a] - corner[a]);
   const V below = frame.floor[a] < corner[a] ? part_beyond(frame, mid, a) : set(0);
@@ -135,7 +135,7 @@ void displace_cell_of(const CellFrame& frame, const Motion& motion, const CellPa
     store_vectors<T>(displacements(load(frame, motion, cell, i), cell, by), cell.end - i, out);
 }
 
-// Highway's dispatch takes no templates.
+// Highway's dispatch does not support templates.
 void displace_single(const CellFrame& frame, const Motion& motion, const CellParticles& cell,
                      const CellDisplacement& by, Vec4<float>* out) {
   displace_cell_of(frame, motion, cell, by, out);

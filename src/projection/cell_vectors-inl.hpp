@@ -72,7 +72,7 @@ struct Vec4s {
   V3 u;
   V w;
 };
-// Those of the first `count` particles.
+// Stores those of the first `count` particles.
 template <class T>
 HWY_INLINE void store_vectors(const Vec4s& v, std::size_t count, Vec4<T>* out) {
   const hn::Rebind<T, Wide> d;
@@ -83,17 +83,17 @@ HWY_INLINE void store_vectors(const Vec4s& v, std::size_t count, Vec4<T>* out) {
   std::copy_n(last.begin(), count, out);
 }
 
-// Particle k of a cell is added to lane k modulo 8, on every processor.
+// Particle k of a cell is added to lane k modulo 8 on every processor.
 constexpr std::size_t virtual_lanes = 8;
 
-// `first`: nothing has been added to these lanes before.
+// `first`: nothing has yet been added to these lanes.
 template <bool first>
 HWY_INLINE void add_to_lanes(Real* at, V v) {
   const Wide d;
   hn::Store(first ? v : hn::Add(hn::Load(d, at), v), d, at);
 }
 
-// The sums of quantities over the virtual lanes, in the same order on every processor.
+// The sums of quantities over the virtual lanes, formed in the same order on every processor.
 using Two = hn::FixedTag<double, 2>;
 HWY_INLINE auto folded(const double* lane) {
   const Two d;

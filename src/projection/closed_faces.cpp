@@ -24,7 +24,7 @@ void ClosedFaces::find_in_row(const FreeSurface& surface, LocalId k, LocalId r) 
   std::vector<Known>& known = rows_[row_index(k, r)];
   known.clear();
   const LocalId columns = grid.columns(k, r);
-  // Where solids or drains may close a face; elsewhere walls do.
+  // Columns in which solids or drains may close a face; elsewhere only walls do.
   const Range near = surface.openings() != nullptr ? Range{0, columns}
                      : surface.cuts() != nullptr   ? surface.cuts()->columns_near_cut(k, r)
                                                    : Range{0, 0};

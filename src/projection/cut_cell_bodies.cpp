@@ -1,5 +1,5 @@
-// What the cells have of solids: what the pressure of a cell does to the solid in it; of a body that moves freely its
-// volume and its centre of volume, which samples of a round surface would otherwise not quite be.
+// The part of solids in the cells: the effect of the pressure of a cell on the solid in it, and the volume and centroid
+// of a freely moving body, which the samples of a round surface would otherwise not reproduce exactly.
 #include <algorithm>
 #include <cmath>
 
@@ -25,9 +25,9 @@ const CutCells::BodyFace* CutCells::body_face(std::size_t a, std::size_t at) con
   return nullptr;
 }
 
-// Of the face (a, at): none, a share of 0, where no body that floats closes any of it. Where another solid is near,
-// too, it is measured what the body closes by itself: as long as it had all, a body half a spacing above a slab was
-// pressed to it with the weight of the water around it.
+// The part of the face (a, at), with a share of 0 if no floating body closes any of it. Where another solid is also
+// near, the part that the body closes by itself is measured: when the body was given all of it, a body half a spacing
+// above a slab was pressed onto the slab by the weight of the water around it.
 CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner,
                                               std::size_t at, const Bodies& near, std::size_t stride) const {
   const RigidBodies& floating = *obstacles_.floating();
@@ -49,7 +49,7 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
   Candidates own;
   own.of_cell = {nearest.body};
   own.thick = are_thick(place(corner + Vec3::Constant(0.5)), own.of_cell);
-  // A little off the face, on the side of the body, or off what else is solid there, on whose surface the body may lie.
+  // Slightly off the face, towards the body or away from any other solid there, on whose surface the body may lie.
   constexpr Real off = 0.01;
   const bool has_below = ProjectionGrid::has_below(a, cell[0], cell[1]);
   Real side = 0;
@@ -68,8 +68,9 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
   return {at, a, nearest.body, middle_of_closed(a, cell, alone), share, (1 - share) * path[axis_[a]]};
 }
 
-// use(direction, whether the upper face, its closed part, the middle of that) for the faces of a cell. Of the nearest
-// solid: what a body that floats closes of them, or all that is closed.
+// Calls use(direction, whether it is the upper face, area of its closed part, centroid of that) for the faces of a
+// cell. The part is that of the nearest solid: what a floating body closes of the face, or otherwise all that is
+// closed.
 template <class Use>
 void CutCells::for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
   const bool floating = floats(at);
@@ -91,13 +92,13 @@ void CutCells::for_each_closed(const std::array<LocalId, 3>& cell, std::size_t a
 
 namespace {
 
-// Of a body: volume, area, volume of cells that water is in, and the moments of the first two about its centre.
+// For each body: volume, area, volume in cells that contain water, and the moments of the first two about its centre.
 constexpr std::size_t sums_of_body = 9;
 constexpr Real fine = 1U << 30U;
 
 }  // namespace
 
-// In integers, cells: no order is seen.
+// Sums in integers, in cells, so the result does not depend on the order.
 std::vector<GlobalId> CutCells::sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const {
   const RigidBodies& bodies = *obstacles_.floating();
   PerThread<std::vector<GlobalId>> sums;
@@ -151,26 +152,27 @@ CutCells::Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_
 
 namespace {
 
-// From 0 to `height` of what is q0 at 0, q1 at 1 and `mean` in the mean between, and quadratic.
+// The integral from 0 to `height` of a quadratic function with the values q0 at 0, q1 at 1 and `mean` on average
+// between them.
 Real integral(Real q0, Real q1, Real mean, Real height) {
   return height * (q0 + height * ((3 * mean - 2 * q0 - q1) + height * (q0 + q1 - 2 * mean)));
 }
 
-// Of the closed part of a side face the part below a height, and its first moment. Its width is linear in height, as
-// its area and its middle say; where the middle is beyond a third of the height the width grows from, or falls to, zero
-// on the way: a body that comes down from above closes the upper end only.
+// The part below a given height of the closed part of a side face, and its first moment. Its width is linear in height,
+// as determined by its area and centroid. Where the centroid is less than a third of the height from an end, the width
+// grows from zero, or falls to zero, within the face: a body that comes down from above closes only the upper end.
 struct Strip {
   Real area, moment;
   Strip(Real closed, Real middle, Real height) {
     const bool upper = middle > 0.5;
     const Real from_end = std::clamp(upper ? 1 - middle : middle, 0.0, 0.5);
-    const Real length = std::min(3 * from_end, 1.0);  // on which it is wide
+    const Real length = std::min(3 * from_end, 1.0);  // over which it has width
     if (!(length > 0)) {
       area = upper && height < 1 ? 0 : closed;
       moment = upper ? area : 0;
       return;
     }
-    // From the end where it is widest, in lengths: w(t) = wide (1 − fall t).
+    // From the end where it is widest, in units of length: w(t) = wide (1 − fall t).
     const Real fall = length < 1 ? 1 : 6 * (1 - 2 * from_end) / (4 - 6 * from_end), wide = closed / (1 - fall / 2);
     const auto below = [=](Real t) {
       return std::pair(wide * t * (1 - fall * t / 2), wide * t * t * (0.5 - fall * t / 3));
@@ -195,7 +197,7 @@ CutCells::Pushes CutCells::pushes_below(const std::array<LocalId, 3>& cell, std:
   Pushes pushes;
   const Vec3 corner = place(Vec3(cell[0], cell[1], cell[2]));
   const Real floor = corner.z(), fall = pressure.fall * size_[2];
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // closed parts of the lower and the upper face, times their middles
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // closed areas of the lower and upper face times their centroids
   Real low_area = 0, high_area = 0;
   for_each_closed(cell, at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
     const Vec3 out = (upper ? 1 : -1) / size_[static_cast<Eigen::Index>(a)] * Vec3::Unit(axis_[a]);

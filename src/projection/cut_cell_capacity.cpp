@@ -1,8 +1,9 @@
-// What cells beside solids hold when they are full. Particles are spread (particles_to_grid.hpp), and reach into a
-// solid beside them, out of which nothing reaches back. So the fill of a cell is what its particles say over what
-// uniform water would say: the integral, over what is open of it and of the cells around, of the share that a particle
-// there has in it (the normalisation of Shepard, Proc. ACM Nat. Conf. 1968). With the open volume in its place the
-// level beside a wall is too low by what lies in the solid.
+// The capacity of cells beside solids: what they hold when they are full. The volume of particles is distributed
+// (particles_to_grid.hpp) and extends into a solid beside them, out of which nothing extends back. The fill of a cell
+// is therefore the contribution of its particles over that of uniform water. The latter is the integral, over the open
+// parts of the cell and of the cells around it, of the share that a particle there has in it (the normalisation of
+// Shepard, Proc. ACM Nat. Conf. 1968). With the open volume instead, the level beside a wall would be too low by what
+// lies in the solid.
 #include <algorithm>
 #include <utility>
 
@@ -12,7 +13,7 @@ namespace trevi {
 
 namespace {
 
-// The shares along direction a in the cell below (0), itself (1) and the one above (2).
+// The shares along direction a in the cell below (0), in the cell itself (1) and in the one above (2).
 constexpr std::size_t number_of(std::size_t i, std::size_t j, std::size_t k) { return 9 * i + 3 * j + k; }
 
 template <std::size_t n>
@@ -20,14 +21,15 @@ using Constant = std::integral_constant<std::size_t, n>;
 
 }  // namespace
 
-// Not cleared: there is memory for those that are written.
+// Not cleared: memory is used only for cells that are written.
 void CutCells::store_shares(std::size_t cells) {
   if (shares_size_ == cells) return;
   shares_size_ = cells;
   shares_.reset(cells > 0 ? new Shares[cells] : nullptr);
 }
 
-// Of a particle at `place`, in cells from the corner of its cell, which is `corner` cells from that of the box.
+// The shares of a particle at `place`, in cells from the corner of its cell, which is `corner` cells from that of the
+// box.
 CutCells::SharesAlong CutCells::shares_along(std::size_t a, Real place, Real corner) const {
   const auto b = static_cast<std::size_t>(axis_[a]);
   const Real flat = frame_.flat[b], reach = frame_.reach[b];
@@ -46,8 +48,8 @@ CutCells::SharesAlong CutCells::shares_along(std::size_t a, Real place, Real cor
   return {below, 1 - below - above, above};
 }
 
-// Where the middle of a particle that would reach down, or up, into a solid lies when it lies on that, or beneath,
-// in cells upwards, as `height` is; distance of the solid and its slope upwards, in samples.
+// The height of the centre of a particle that would extend down, or up, into a solid, once the particle lies on the
+// solid, or beneath it, in cells upwards, as is `height`; distance of the solid and its slope upwards, in samples.
 Real CutCells::off_solid(Real height, Real distance, Real slope) const {
   const Real way = std::max(distance, 0.0), steep = std::abs(slope) * samples;  // the solid is way/steep below or above
   const Real half = frame_.reach[2] / 2;
@@ -56,9 +58,9 @@ Real CutCells::off_solid(Real height, Real distance, Real slope) const {
   return slope > 0 ? height + missing : height - missing;
 }
 
-// Water at walls lies in layers a spacing thick, of which a share is that at their middles: less than its mean over the
-// layer where it is curved, as it is less than that over a sample. With the mean, still water beside a box sank by 0.03
-// spacings.
+// At walls water lies in layers one spacing thick, whose shares are those at the centres of the layers. Where a share
+// is curved, this is less than its mean over the layer, just as the value at a sample is less than the mean over the
+// sample. With the mean, still water beside a box sank by 0.03 spacings.
 void CutCells::use(const CellFrame& frame) {
   frame_ = frame;
   const auto up = static_cast<std::size_t>(axis_[2]);
@@ -70,7 +72,7 @@ void CutCells::use(const CellFrame& frame) {
   }
 }
 
-// In the mean over a cell, in the first cells along each direction, in others and in the last ones.
+// Means over a cell: for the first cells along each direction, for the others, and for the last ones.
 void CutCells::find_whole_shares(const ProjectionGrid& grid) {
   std::array<std::array<SharesAlong, 3>, 3> mean{};  // by direction
   for (std::size_t a = 0; a < 3; ++a) {
@@ -90,7 +92,7 @@ void CutCells::find_whole_shares(const ProjectionGrid& grid) {
   }
 }
 
-// Of a cell of which nothing else is known yet; of one outside of the box they are put into `own`.
+// For a cell about which nothing else is known yet. Those of a cell outside the box are written to `own`.
 const CutCells::SharesAlong* CutCells::shares_of_samples(std::size_t a, Real corner, SharesOfSamples& own) const {
   if (corner >= 0 && corner < count_[a]) return sample_shares_[a][which_of(corner, count_[a])].data();
   for (std::size_t k = 0; k < samples; ++k) own[k] = shares_along(a, sample_at[k], corner);
@@ -102,8 +104,8 @@ const CutCells::Shares* CutCells::whole_shares(const ProjectionGrid& grid, Local
   return &whole_shares_[number_of(which_of(place[0], grid.count(0)), which_of(place[1], grid.count(1)), 0)];
 }
 
-// How far a solid that closes the lower face of a cell rises above it, or one that closes the upper face hangs below
-// it, in cells, in the mean over what is open of the other face.
+// How far a solid that closes the lower face of a cell rises above this face, or one that closes the upper face hangs
+// below it, in cells, on average over the open part of the opposite face.
 Real CutCells::rise(std::size_t at, bool hangs) const {
   const Real wide = face(2, hangs ? at : at + 1);
   return wide > 0 ? std::max(1 - open(at) / wide, 0.0) : 0;
@@ -144,7 +146,7 @@ CellFrame CutCells::beside_solids(const CellFrame& frame, const ProjectionGrid& 
   return narrowed;
 }
 
-// What would reach through a face which a solid closes stays in its own cell.
+// What would extend through a face that a solid closes stays in its own cell.
 void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, LocalId c, std::vector<Cell>& cells) {
   const std::size_t at = grid.index(k, r, c);
   if (cells[at].open == 0) return;
@@ -171,7 +173,7 @@ void CutCells::confine_shares(const ProjectionGrid& grid, LocalId k, LocalId r, 
   }
 }
 
-// The three by three rows around one of cells, itself in the middle; those in walls do not exist.
+// The three by three rows around a row, which is in the middle; rows in walls do not exist.
 struct CutCells::RowsAround {
   struct One {
     bool exists = false;
@@ -185,10 +187,11 @@ struct CutCells::RowsAround {
   std::size_t floor() const { return row[4].floor; }
 };
 
-// Where the water of a cell beside is that has a share: near the face, a quarter of a cell beyond it in the mean.
+// The position in a neighbouring cell of its water that has a share here: near the face, on average a quarter of a cell
+// beyond it.
 void CutCells::measure_capacity(const RowsAround& rows, LocalId c, std::vector<Cell>& cells) const {
   constexpr Real beyond_face = 0.25;
-  constexpr std::array<Real, 3> off{-beyond_face - 0.5, 0, beyond_face + 0.5};  // of those beside the middle
+  constexpr std::array<Real, 3> off{-beyond_face - 0.5, 0, beyond_face + 0.5};  // of the neighbours from the centre
   struct Column {
     std::size_t at, kind;  // kind: which of the shares of whole cells
     bool exists, above;
@@ -200,7 +203,7 @@ void CutCells::measure_capacity(const RowsAround& rows, LocalId c, std::vector<C
     if (rows.repeats) beside = (beside + rows.columns) % rows.columns;
     column[l] = {static_cast<std::size_t>(beside), which_of(beside, rows.count), !in_wall, beside >= rows.columns};
   }
-  constexpr Cell plain;  // above what is measured
+  constexpr Cell plain;  // cells above those that are measured
   const Cell* const all = cells.data();
   const Shares* const own = shares_.get();
   const bool are_usual =
@@ -216,7 +219,7 @@ void CutCells::measure_capacity(const RowsAround& rows, LocalId c, std::vector<C
       const Cell& cell = !usual && column[l].above ? plain : all[at];
       if (cell.open == 0) continue;
       const Shares& shares = cell.has_shares ? own[at] : row.whole[column[l].kind];
-      const Real share = shares[26 - 3 * n - l];  // what it has in the cell in the middle
+      const Real share = shares[26 - 3 * n - l];  // its share in the cell in the middle
       sum += share;
       moment[0] += share * (n / 3 == 1 ? static_cast<Real>(cell.middle[2][0]) - 0.5 : off[n / 3]);
       moment[1] += share * (n % 3 == 1 ? static_cast<Real>(cell.middle[2][1]) - 0.5 : off[n % 3]);
@@ -255,8 +258,8 @@ void CutCells::measure_capacities(const ProjectionGrid& grid, std::vector<Cell>&
     for (LocalId c = columns.begin; c < columns.end; ++c) confine_shares(grid, k, r, c, cells);
   });
   for_each_range_near([&](LocalId k, LocalId r, Range columns) {
-    if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows()) return;  // who owns the others knows them
-    // From the column before the first to the one after the last: whether one of the nine cells is cut.
+    if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows()) return;  // known to the ranks that own them
+    // From the column before the first one to that after the last one: whether one of the nine cells is cut.
     std::vector<unsigned char>& is_cut = candidates_.mine().is_cut;
     is_cut.assign(static_cast<std::size_t>(columns.size()) + 2, 0);
     const std::size_t before = grid.index(k, r, columns.begin) - 1;

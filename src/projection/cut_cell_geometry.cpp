@@ -1,4 +1,4 @@
-// The geometry of one cell: what of its faces and of its volume is open.
+// The geometry of one cell: the open fractions of its faces and of its volume.
 #include <algorithm>
 #include <cmath>
 
@@ -8,18 +8,19 @@ namespace trevi {
 
 namespace {
 
-// A cell with less open volume counts as solid. It may hold no particle, but a sliver that is left out of a cell at a
-// curved wall makes a rigid rotation seem to have a divergence there, and that brakes the water.
+// A cell with less open volume than this counts as solid. Such a sliver may hold no particle, but if it is left out of
+// a cell at a curved wall, a rigid rotation seems to have a divergence there, which slows the water down.
 constexpr Real min_open = 2e-4;
-// Of less it is asked whether any of its corners and middles is in the open, by how much, in cells. Beside an edge of a
-// solid whose faces lie on those of cells the slopes of samples leave 1e-3 of a solid cell open.
+// With less open volume than `sliver`, a cell is open only if one of its corners or midpoints lies outside the solids
+// by more than `min_reach`, cells. Beside an edge of a solid whose faces coincide with those of cells, the slopes of
+// the samples leave 1e-3 of a solid cell open.
 constexpr Real sliver = 3e-3, min_reach = 1e-6;
 // Square of the slope of the distance below which an edge is near.
 constexpr Real flat = 0.9;
 
 }  // namespace
 
-// Behind the surface of a sheet there is no more solid a cell further in; a line that just grazes a thick solid is
+// Behind the surface of a sheet there is no solid any more a cell further in. A line that just grazes a thick solid is
 // open.
 bool CutCells::meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodies) const {
   for (const std::size_t k : bodies) {
@@ -34,8 +35,9 @@ bool CutCells::meets_sheet(const Vec3& from, const Vec3& to, const Bodies& bodie
   return false;
 }
 
-// Whether one can go through a face at a point of it from the middle of one cell to that of the other; where a middle
-// is in a solid, from the far side of its cell, so that a sheet in the very middle of a cell is noticed.
+// Whether one can pass through a face, at a given point of it, from the centre of one cell to that of the other. If a
+// centre is inside a solid, the far side of its cell is used instead, so that a sheet right at the centre of a cell is
+// noticed.
 bool CutCells::is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodies) const {
   const Vec3 step = Vec3::Unit(static_cast<Eigen::Index>(a));
   Vec3 low = place(on_face - step / 2), high = place(on_face + step / 2);
@@ -45,7 +47,7 @@ bool CutCells::is_passage(std::size_t a, const Vec3& on_face, const Bodies& bodi
   return !meets_sheet(low, high, bodies);
 }
 
-// Of distances at samples that lie `stride` apart in their order, between those on either side, or from one of them.
+// From the distances at samples that are `stride` apart in memory: central differences, one-sided ones at the ends.
 template <std::size_t stride>
 void CutCells::find_slopes(std::span<const Real> distance, std::span<Real> slope) {
   for (std::size_t first = 0; first < distance.size(); first += stride * samples) {
@@ -57,7 +59,8 @@ void CutCells::find_slopes(std::span<const Real> distance, std::span<Real> slope
   }
 }
 
-// In samples, at those of squares across direction a of a cell, `along` cells from its corner, one after the other.
+// Distances in samples, at the samples of squares across direction a of a cell, `along` cells from its corner, one
+// square after the other.
 void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const Real> along, const Bodies& bodies,
                               std::span<Real> distance) const {
   std::array<std::array<Real, samples>, 3> coordinate{};  // by direction
@@ -70,7 +73,7 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
     put(u, k, sample_at[k]);
     put(v, k, sample_at[k]);
   }
-  // By direction: how many samples, and how far apart in their order.
+  // By direction: the number of samples, and their distance from each other in memory.
   std::array<std::size_t, 3> number{samples, samples, samples}, stride{};
   number[a] = along.size();
   stride[a] = samples * samples;
@@ -82,7 +85,8 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
   if (!is_alone) std::fill(distance.begin(), distance.end(), INFINITY);
   for (const std::size_t body : bodies) {
     const Pose& pose = obstacles_.body(body).midway();
-    // What each coordinate in the world adds to those of the body: Pose::into_body(), in its order. Direction 2 is z.
+    // The contribution of each world coordinate to those of the body, as in Pose::into_body(), in the same order.
+    // Direction 2 is z.
     std::array<std::array<Vec3, samples>, 3> part;
     for (std::size_t b = 0; b < 3; ++b) {
       const Vec3 row = pose.turn.row(axis_[b]).transpose();
@@ -102,7 +106,7 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
   for (Real& one : distance) one /= width;
 }
 
-// Wherever one looks from.
+// From whatever point one looks.
 bool CutCells::are_clear(const Bodies& bodies) const {
   const Vec3 margin = Vec3::Constant(size_.maxCoeff());
   const Box within{box_.min + margin, box_.max - margin};
@@ -127,7 +131,7 @@ bool CutCells::are_thick(const Vec3& middle, const Bodies& bodies) const {
   });
 }
 
-// `corner` of the cell, in cells; its lower face in direction a.
+// The lower face of the cell in direction a; `corner` of the cell, in cells.
 void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates& near, Cell& cell) const {
   const Bodies& bodies = near.of_cell;
   const auto b = static_cast<Eigen::Index>(a), u = (b + 1) % 3, v = (b + 2) % 3;
@@ -135,7 +139,8 @@ void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates&
   middle[u] += 0.5;
   middle[v] += 0.5;
   const Real far = nearest_at(place(middle), bodies).distance;
-  // To where is_passage() looks; and without sheets to where the surface is met.
+  // The distance to which is_passage() looks, or without sheets the distance within which the surface may meet the
+  // face.
   const Real reach = (near.thick ? 0.75 : 1.5) * size_.maxCoeff();
   if (std::abs(far) > reach) {
     cell.face[a] = far > 0 ? 1 : 0;
@@ -167,7 +172,7 @@ void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates&
   for (std::size_t i = 0; i < 2 && sum > 0; ++i) cell.middle[a][i] = static_cast<float>(moment[i] / sum);
 }
 
-// Of a sample that begins there, by samples of its own.
+// The solid fraction of a sample with this corner, from samples of its own.
 Real CutCells::solid_part(const Vec3& corner, const Bodies& bodies) const {
   const Real width = size_.maxCoeff() / (samples * samples);
   Real sum = 0;
@@ -179,7 +184,7 @@ Real CutCells::solid_part(const Vec3& corner, const Bodies& bodies) const {
   return sum / (samples * samples * samples);
 }
 
-// Linear in each sample, as the faces.
+// Linear in each sample, as for the faces.
 Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) const {
   Samples at;
   find_distances(corner, 2, sample_at, candidates.of_cell, at.distance);
@@ -196,7 +201,7 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) c
   return sum / (samples * samples * samples);
 }
 
-// The middle of the solid is that of its parts in samples, which lie off the middles of these along the slope.
+// The centroid of the solid is that of its parts in the samples, which lie off the centres of these along the slope.
 void CutCells::measure_solid(const Vec3& corner, const Samples& at, const Bodies& bodies, Cell& cell) const {
   const bool floats = any_floats() && obstacles_.floating()->holds(cell.nearest);  // its volume is what is not open
   Real solid = 0, whole = 0;
@@ -220,14 +225,15 @@ void CutCells::measure_solid(const Vec3& corner, const Samples& at, const Bodies
   cell.solid = static_cast<float>(solid / (samples * samples * samples));
 }
 
-// Shares of what is open of a sample are those of its middle, but water is nowhere nearer to a solid below or above
-// than half a spacing.
+// The shares of the open part of a sample are those of its centre, except that water is never nearer than half a
+// spacing to a solid below or above it.
 void CutCells::find_shares(const Vec3& corner, const Samples& at, Candidates& candidates) const {
   constexpr std::size_t lines = samples * samples;
   const std::array<Real, 3> place = from_box(corner);
   std::array<const SharesAlong*, 3> of_samples{};
   for (std::size_t a = 0; a < 3; ++a) of_samples[a] = shares_of_samples(a, place[a], candidates.of_samples[a]);
-  // Of what is open of samples above each other, in the cell below, itself, and the one above.
+  // For the open parts of samples above each other: the shares in the cell below, in the cell itself, and in the one
+  // above.
   std::array<std::array<Real, lines>, 3> of_lines{};
   for (std::size_t level = 0; level < samples; ++level) {
     std::array<std::array<Real, lines>, 3> w;
@@ -256,7 +262,7 @@ void CutCells::find_shares(const Vec3& corner, const Samples& at, Candidates& ca
     candidates.shares[n] = static_cast<float>(shared[n] / (samples * samples * samples));
 }
 
-// Whether a corner of a cell, a middle of its edges or faces or its own is in the open.
+// Whether a corner of a cell, the midpoint of one of its edges or faces, or its centre lies outside the solids.
 bool CutCells::reaches_open(const Vec3& corner, const Bodies& bodies) const {
   for (int n = 0; n < 27; ++n) {
     const Vec3 p = place(corner + 0.5 * Vec3(n % 3, n / 3 % 3, n / 9));
@@ -270,8 +276,8 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
   cell.nearest = static_cast<std::uint32_t>(far.body) & 0x3fffffffU;
-  // Farther from it no face is nearer than half a cell less: within reach of is_passage(), or of the surface where all
-  // solids are thick.
+  // If the distance is larger, no face is nearer than this less half a cell, which is the distance to which
+  // is_passage() looks, or that of the surface where all solids are thick.
   candidates.near = std::abs(far.distance) <= (candidates.clear ? 1.26 : 2) * size_.maxCoeff();
   if (!candidates.near) {
     cell.open = far.distance > 0 ? 1 : 0;

@@ -14,7 +14,7 @@ CutCells::CutCells(const Obstacles& obstacles)
   std::iota(all_bodies_.begin(), all_bodies_.end(), std::size_t{0});
 }
 
-// Counted from the start of the box first, which is exact: the same place on whatever rank.
+// Cells are counted from the start of the box first, which is exact: the position is the same on every rank.
 Real CutCells::place(std::size_t a, Real in_cells) const {
   const auto b = static_cast<Eigen::Index>(a);
   return origin_[b] + (in_cells + (a == 0 ? first_ - 1 : a == 1 ? first_row_ : 0)) * size_[b];
@@ -28,7 +28,7 @@ Vec3 CutCells::place(const Vec3& in_cells) const {
 
 Vec3 CutCells::middle(LocalId k, LocalId r, LocalId c) const { return place(Vec3(k + 0.5, r + 0.5, c + 0.5)); }
 
-// A multiple of 2⁻³⁰, to which whole cells are added without rounding: the same place on whatever rank.
+// A multiple of 2⁻³⁰, to which whole cells can be added without rounding: the position is the same on every rank.
 Real CutCells::countable(Real in_cell) {
   constexpr Real parts = 1U << 30U;
   return std::rint(in_cell * parts) / parts;
@@ -61,8 +61,8 @@ CutCells::Nearest CutCells::nearest_at(const Vec3& p, const Bodies& bodies) cons
   return nearest;
 }
 
-// All that may be the nearest somewhere within `reach` of p, or be met there: a distance changes by no more than one
-// goes. Rough ones may change by more, and are kept.
+// All solids that may be the nearest one somewhere within `reach` of p, or be met there: a distance changes by no more
+// than the length of the path. Approximate distances may change by more, so these solids are kept.
 void CutCells::keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept,
                          std::vector<Real>& distance) const {
   const Vec3 inside = in_box(p);
@@ -80,8 +80,9 @@ void CutCells::keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& k
   }
 }
 
-// Cells of which anything is looked at in the solid: from their middles no place is further than 1.6 cells, and
-// in_box() takes it nearer by less than 0.7 at walls. A cell that the margin leaves out is half a cell further away.
+// The cells of which any point that is examined may lie in the solid: no such point is further than 1.6 cells from the
+// centre of its cell, and at walls in_box() moves it closer by less than 0.7. A cell that the margin leaves out is half
+// a cell further away.
 CutCells::Zone CutCells::zone_of(const Body& body) const {
   const Box place = body.surface_box();
   const Vec3 far = Vec3::Constant(3 * size_.maxCoeff());
@@ -99,7 +100,7 @@ CutCells::Zone CutCells::zone_of(const Body& body) const {
   return zone;
 }
 
-// The columns of a row in the zones, in ranges that do not meet.
+// The columns of a row that lie in the zones, as disjoint ranges.
 void CutCells::find_ranges(const Row& row, const std::vector<Zone>& zones, std::vector<Range>& ranges) const {
   ranges.clear();
   for (const Zone& zone : zones) {
@@ -120,7 +121,7 @@ void CutCells::find_ranges(const Row& row, const std::vector<Zone>& zones, std::
   if (!ranges.empty()) ranges.resize(last + 1);
 }
 
-// For a ghost beyond the end of a periodic box that of the cell at its other end, which it is like.
+// For a ghost cell beyond the end of a periodic box, the corner of the cell at the other end, of which it is a copy.
 Vec3 CutCells::corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const {
   const LocalId planes = grid.count(0), rows = grid.count(1);
   if (grid.repeats()[0]) k = (k - 1 + first_ + planes) % planes - first_ + 1;
@@ -188,7 +189,7 @@ void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cell
   measure_capacities(grid, cells);
 }
 
-// Of the solid that is nearest to the middle of each face.
+// The motion of the solid nearest to the centre of each face.
 void CutCells::measure_motion(const ProjectionGrid& grid) {
   moved_.resize(grid.cells());
   PerThread<std::vector<BodyFace>> faces;
@@ -243,7 +244,7 @@ void CutCells::find_columns(const ProjectionGrid& grid) {
   });
 }
 
-// Faces of a row's upper neighbours are its own, too.
+// The faces that a row shares with the next row and the next plane count as its own, too.
 void CutCells::find_cut_rows(const ProjectionGrid& grid) {
   columns_ = grid.columns();
   cut_columns_.assign(row_index(grid.planes() + 2, -1), {0, 0});
@@ -255,7 +256,7 @@ void CutCells::find_cut_rows(const ProjectionGrid& grid) {
       return cells_[at].cut || (has_row_after && cells_[at + grid.step(1)].cut) ||
              (has_plane_after && cells_[at + grid.step(0)].cut);
     };
-    LocalId begin = 0, end = grid.columns();  // the last one is beyond the cells
+    LocalId begin = 0, end = grid.columns();  // the last column is beyond the cells
     while (begin <= end && !is_cut_here(begin)) ++begin;
     while (end >= begin && !is_cut_here(end)) --end;
     if (begin <= end) cut_columns_[row_index(k, r)] = {std::max(begin - 1, 0), std::min(end + 1, grid.columns())};

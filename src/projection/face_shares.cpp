@@ -30,7 +30,7 @@ void FaceShares::find(const Pressure& pressure) {
     find_row(phi, around[0], {0, k, r});
     if (k > planes) return;
     find_row(phi, around[2], {2, k, r});
-    if (grid.is_layer()) return;  // across a layer nothing moves
+    if (grid.is_layer()) return;  // nothing moves across a layer
     find_row(phi, around[1], {1, k, r});
     if (grid.rows_are_cut() && r + 1 == rows && grid.has_row(rows)) find_row(phi, around[1], {1, k, rows});
   });
@@ -53,7 +53,7 @@ bool FaceShares::is_full(std::size_t at) const {
   return surface_.is_wet(at) && !surface_.is_top(at) && surface_.open(at) == 1 && surface_.mass(at) == 1;
 }
 
-// Of ghosts, too.
+// Ghost cells included.
 void FaceShares::find_full() {
   const ProjectionGrid& grid = surface_.grid();
   for_each_row(grid.rows_and_ghosts_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
@@ -66,7 +66,7 @@ void FaceShares::find_full() {
   grid.repeat(full_);
 }
 
-// Weights 1, 2, 1 along both axes of the plane of the face, or along the one that it has in a layer.
+// Weights 1, 2, 1 along both axes of the plane of the face, or in a layer along its single axis.
 FaceShares::Around FaceShares::around_face(std::size_t a) const {
   const ProjectionGrid& grid = surface_.grid();
   const auto plane = static_cast<std::ptrdiff_t>(grid.step(0)), row = static_cast<std::ptrdiff_t>(grid.step(1));
@@ -80,7 +80,7 @@ FaceShares::Around FaceShares::around_face(std::size_t a) const {
   return around;
 }
 
-// Where the plane of the faces has no direction of the row the ring at either end is left out.
+// If the plane of the faces does not contain the direction of the row, the ring cell at either end is left out.
 void FaceShares::sum_rows(const Real* phi, const Around& around, std::size_t a, std::size_t floor, Sums& sums) const {
   const std::size_t below = surface_.grid().step(a), left_out = around.has_columns ? 0 : 1;
   const Real* const full = full_.data();
@@ -110,9 +110,9 @@ void FaceShares::find_row(const Real* phi, const Around& around, const Row& row)
   const CellFields& means = surface_.water().all_means();
   const RowToRead cells = means.row(k, r),
                   cells_below = means.row(a == 0 ? k - 1 : k, a == 1 ? grid.row_beside(r - 1) : r);
-  const std::size_t y = 1 + grid.axis(a);  // the place of Σ y across the face
+  const std::size_t y = 1 + grid.axis(a);  // the index of the component of Σ y across the face
   const Real per_length = 1 / grid.size()[static_cast<Eigen::Index>(a)];
-  const Real others = grid.is_layer() ? 2 : 12;  // the weight of the faces around
+  const Real others = grid.is_layer() ? 2 : 12;  // weight of the surrounding faces
   for (LocalId c = 0; c < columns; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const std::size_t at = floor + i;
@@ -122,7 +122,7 @@ void FaceShares::find_row(const Real* phi, const Around& around, const Row& row)
     };
     const Real rise = phi[at] - phi[at - below];
     const Real rough = (rise * total(sums.faces) - total(sums.rise)) / others * per_length;
-    // W: a particle counts 1 in the plane of the face, and 0 a cell away.
+    // W: a particle counts 1 in the plane of the face and 0 a cell away.
     const LocalId c_below = a == 2 ? (c + columns - 1) % columns : c;
     const Real particles = *number_of(cells, c) - *number_of(cells, c, y) + *number_of(cells_below, c_below, y);
     const Real share = particles * max_portion > full_particles_ ? full_particles_ / particles : max_portion;

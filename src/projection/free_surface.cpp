@@ -34,19 +34,20 @@ Real FreeSurface::resistance_to_air(std::size_t a, std::size_t wet, std::size_t 
   return is_top(dry - 1) ? mass_[wet] * part_in_water(wet, dry) : weight_at_side(a, wet, dry);
 }
 
-// Of the way from the middle of a wet cell to that of a dry one beside it, where the surface steps down by a cell
-// between them. Cut cells have too uneven levels to tell a slope.
+// The fraction of the distance from the centre of a wet cell to that of a dry one beside it that lies in water, where
+// the surface steps down by a cell between them. The levels of cut cells are too uneven for a slope to follow from
+// them.
 Real FreeSurface::part_in_water(std::size_t wet, std::size_t dry) const {
   if (is_solid(wet) || is_cut(dry - 1)) return 1;
   const Real in = is_top(wet) ? above_middle(wet) : 1 + above_middle(wet + 1);
   return in / std::max(in + 1.5 - height_[dry - 1], min_rise);
 }
 
-// Of the way from the middle of a wet cell on a slope to that of a dry one beside it, down the slope, the part to the
-// surface, where that is as steep as the slope: the pressure of a sheet acts along the normal of the solid. Where the
-// surface falls less, water lies against the slope, as in a vessel. The fall of the slope across the cell is told by
-// what is open of the face to the dry cell, of the cell and of its floor: the face at its other side may be beyond the
-// ghost cells.
+// The fraction of the distance from the centre of a wet cell on a slope to that of a dry one beside it, down the slope,
+// up to the surface, where the surface is as steep as the slope: the pressure of a sheet acts along the normal of the
+// solid. Where the surface is less steep, water lies against the slope, as in a vessel. The fall of the slope across
+// the cell follows from the open parts of the face to the dry cell, of the cell and of its floor: the face on the other
+// side may be beyond the ghost cells.
 Real FreeSurface::part_down_slope(std::size_t a, std::size_t wet, std::size_t dry) const {
   if (!is_top(wet) || cuts()->floats(wet) || is_emptied(dry)) return 1;
   const Real up = cuts()->face(2, wet + 1) - cuts()->face(2, wet), side = cuts()->face(a, std::max(wet, dry));
@@ -56,8 +57,8 @@ Real FreeSurface::part_down_slope(std::size_t a, std::size_t wet, std::size_t dr
   return falls_less ? 1 : std::clamp(above * up / down, min_height, 1.0);
 }
 
-// Of the particles of the wet cell, which are displaced, at its face, over that in full water: a particle counts 1 in
-// the plane of the face and 0 a cell away.
+// The weight at this face of the particles of the wet cell, which are displaced, over that in full water: a particle
+// counts 1 in the plane of the face and 0 a cell away.
 Real FreeSurface::weight_at_side(std::size_t a, std::size_t wet, std::size_t dry) const {
   const ParticlesToGrid::Means held = water().means(wet);
   const Real from_low = held.y[grid().axis(a)], weight = wet > dry ? held.n - from_low : from_low;
@@ -72,7 +73,7 @@ void FreeSurface::classify(Halo& halo) {
   halo.start_planes(fill_, grid().step(0));
   halo.finish();
   const bool inflow = openings_ != nullptr && openings_->has_sources();
-  // Cells at solids look at those beside, and water that comes out of an opening at what is behind it.
+  // Cells at solids depend on their neighbours, and water that comes out of an opening on the cell behind it.
   if (inflow || cuts() != nullptr) grid().complete(halo, fill_);
   classify_cells(halo);
   find_masses(halo);
@@ -102,8 +103,9 @@ bool FreeSurface::is_full_enough(const Place& place, Real least) const {
   return upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
 }
 
-// Whether a cell without particles holds no more than what those on one side of it may reach into it. It is air: what
-// would move its outer faces nobody knows, and where they stand water that moves as a whole runs against them.
+// Whether a cell without particles holds no more than the particles on one side of it can contribute. Such a cell is
+// air: nothing determines the motion of its outer faces, and if they stood still, water that moves as a whole would run
+// against them.
 bool FreeSurface::is_beside_water(const Place& place, std::size_t at) const {
   if (fill_[at] > (1 + told_rounding) * water().told_from_one_side()) return false;
   return !(cuts() != nullptr && cuts()->is_near(at)) && !water().holds_any(place.k, place.r, place.c);
@@ -119,14 +121,14 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
   if (!upright()) return;
   const std::size_t floor = grid().index(k, r, 0);
   bool standing = true;
-  Real excess = 0;  // volume in the wet cells below the top one beyond one cell each, in cells
+  Real excess = 0;  // volume beyond one cell each in the wet cells below the top one, in cells
   for (LocalId c = 0; c < grid().columns(k, r); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
     if (!is_wet(at)) {
       standing = standing && (is_solid(at) || is_drained(at));
     } else if (is_top(at)) {
       const bool beside_body = cuts() != nullptr && cuts()->floats(at) && !is_solid(at);
-      const Real area = beside_body ? open(at) : 1;  // on which it stands
+      const Real area = beside_body ? open(at) : 1;  // of the base of the water
       const std::optional<Real> share = standing ? share_below(floor, at) : std::nullopt;
       const Real counted = (share ? excess_of_cut : 1) * excess;
       const Real more = standing ? std::clamp(counted / area, -max_excess, max_excess) : 0;
@@ -139,7 +141,7 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
   }
 }
 
-// What fills a cell beside a solid (CutCells::capacity()) is known of own cells only.
+// The fill of a cell beside a solid (CutCells::capacity()) is known only for owned cells.
 void FreeSurface::find_masses(Halo& halo) {
   const LocalId planes = grid().planes();
   for_each_row(grid().rows_of(cuts() == nullptr ? Range{0, planes + 2} : Range{1, planes + 1}),
@@ -153,9 +155,9 @@ void FreeSurface::find_masses(Halo& halo) {
   grid().exchange(halo, mass_);
 }
 
-// What stands on water that is not thin has a level rather than a fill. What cells beside solids hold is noisy, and
-// some are wet as those around them are, whatever they hold. Full water that comes to a wall is stopped by the few that
-// are ahead of it, as if they were as many.
+// Water that stands on water that is not thin has a level rather than a fill. The fill of cells beside solids is noisy,
+// and some of these cells are wet only because their neighbours are, whatever they hold. Full water that reaches a wall
+// is stopped by the few particles ahead of it as if there were as many of them as in full water.
 Real FreeSurface::mass_of(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
   if (grid().is_at_wall(place.k, place.r, place.c)) return 1;

@@ -1,14 +1,15 @@
-// The surface of the water among obstacles: the same rules as without (free_surface.cpp), for the open part of each
-// cell. A solid cell counts as wet where the cell below it is: water under it has no surface. A cell whose lower face a
-// solid closes more than its upper one counts as one on the floor: its water lies on a slope. As others such cells were
-// dry at the rim of the water, where no pressure held what fell there, and shallow water in a ball never came to rest
-// (2e-2 m²/s², 1e-4 so). Not at upright walls: there cells wet from a fifth on pushed the water off, and a tank made of
-// an obstacle lost two thirds of each swing. What a cell holds of which little is open says hardly anything, so it
-// follows the cell beyond its widest face; beside a body that floats those beyond its sides, whether it is full or not:
-// a small cell above the surface that followed the one below it pressed the body aside, and shallow bodies sailed.
-// Deep in the water there is no surface at a solid, though particles may be too far from it to fill a cell that it has
-// just left: as long as such cells were dry, pressure fell to that of the air in them, and what moved under water felt
-// 0.7 of its buoyancy less in one step and as much more in the next.
+// The free surface among obstacles: the same rules as without obstacles (free_surface.cpp), applied to the open part of
+// each cell. A solid cell counts as wet where the cell below it is wet: water under it has no surface. A cell whose
+// lower face is closed by a solid more than its upper one counts as a cell on the floor, because its water lies on a
+// slope. Treated like other cells, such cells were dry at the rim of the water, where no pressure held the water that
+// fell there, and shallow water in a ball never came to rest (2e-2 m²/s², now 1e-4). This does not apply at upright
+// walls: there, cells that are wet from a fill of a fifth on pushed the water away, and a tank made of an obstacle lost
+// two thirds of each swing. The fill of a cell with a small open part says hardly anything, so the cell follows the
+// cell beyond its widest face. Beside a floating body it follows those beyond its sides, whether it is full or not: a
+// small cell above the surface that followed the cell below it pressed the body aside, and shallow bodies sailed. Deep
+// in the water there is no surface at a solid, although particles may be too far from it to fill a cell that it has
+// just left. As long as such cells were dry, the pressure fell to that of the air in them, and a body moving under
+// water lost 0.7 of its buoyancy in one step and gained as much in the next.
 #include "projection/free_surface.hpp"
 
 #include <algorithm>
@@ -37,7 +38,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
     const Range near = cuts()->columns_near_cut(k, r);
     for (LocalId c = 0; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
-      const bool is_near = c >= near.begin && c < near.end;  // elsewhere what is full enough stands there
+      const bool is_near = c >= near.begin && c < near.end;  // elsewhere a full enough cell has water of its own
       const bool wet =
           is_near ? !is_solid(at) && is_full_enough({k, r, c}, min_wet_fill(at, c)) && stands_in(at, c)
                   : fill_[at] > surely || is_full_enough({k, r, c}, upright() && c == 0 ? floor_fill : wet_fill);
@@ -55,8 +56,8 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   grid().complete(halo, wet_);
   for_each_row(grid().rows_of(own), [&](LocalId k, LocalId r) { find_tops(k, r); });
   grid().exchange(halo, height_);
-  // At the walls of a cylinder of R = 10 spacings the level is that at the mean place of the water in a cut cell, but
-  // acts at its middle: as it was the paraboloid was a quarter too steep.
+  // At the walls of a cylinder of R = 10 spacings, the level is that at the mean position of the water in a cut cell,
+  // but it acts at the centre of the cell: without the correction the paraboloid was a quarter too steep.
   level_cut_cells(halo, [&](const Place& place, std::size_t at) {
     return is_small(at) || cuts()->floats(at) ? height_[at] : level_at_middle(place);
   });
@@ -65,7 +66,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
   });
 }
 
-// level(place, at) is the next level of a cut top cell, as the present ones say.
+// level(place, at) is the new level of a cut top cell, computed from the present ones.
 template <class Level>
 void FreeSurface::level_cut_cells(Halo& halo, const Level& level) {
   Borrowed<Real> next = grid().scratch().borrow_briefly<Real>(height_.size());
@@ -96,7 +97,7 @@ void FreeSurface::join_cells_at_solids(Halo& halo) {
   halo.start_planes(wet_, grid().step(0));
   halo.finish();
   grid().complete(halo, wet_);
-  Borrowed<char> joined = grid().scratch().borrow<char>(wet_.size());  // the next wet_
+  Borrowed<char> joined = grid().scratch().borrow<char>(wet_.size());  // the new wet_
   std::copy(wet_.begin(), wet_.end(), joined.begin());
   for_each_near([&](const Place& place, std::size_t at) {
     if (wet_[at] == dry_at_solid || is_small(at)) joined[at] = joins(place) ? wet_cell : dry_cell;
@@ -106,7 +107,7 @@ void FreeSurface::join_cells_at_solids(Halo& halo) {
   std::copy(joined.begin(), joined.end(), wet_.begin());
 }
 
-// Whether a cell that is dry or small counts as wet all the same.
+// Whether a cell that is dry or small nevertheless counts as wet.
 bool FreeSurface::joins(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
   if (is_emptied(at)) return false;
@@ -128,9 +129,9 @@ bool FreeSurface::is_at_solid(std::size_t at) const {
          is_beside(grid().step(2));
 }
 
-// A cell at a solid among water that is deeper than it: no air is there, whatever the cell holds. Water stands above
-// it, or above the cells beside it, and none around it is dry but such as are at the solid, too. Beside solids that do
-// not float that water is two cells deep at least: what falls on a solid has air beneath it.
+// A cell at a solid among water that is deeper than the cell: it contains no air, whatever it holds. Water stands above
+// it, or above its neighbours, and all dry cells around it are at the solid, too. Beside solids that do not float, that
+// water is at least two cells deep: there is air beneath water that falls on a solid.
 bool FreeSurface::is_pocket(const Place& place) const {
   const auto [k, r, c] = place;
   const std::size_t at = grid().index(k, r, c);
@@ -150,8 +151,8 @@ bool FreeSurface::is_pocket(const Place& place) const {
   return deep;
 }
 
-// Whether water runs into a cell without particles at a solid that moves, faster than that gives way: a gap that
-// closes, which holds no more than what the particles on one side of it reach into it.
+// Whether water moves into a cell without particles at a moving solid faster than the solid recedes. This is a closing
+// gap, which holds no more than what the particles on one side of it contribute.
 bool FreeSurface::is_run_into(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
   if (!cuts()->is_driven(at) || is_small(at) || water().holds_any(place.k, place.r, place.c)) return false;
@@ -165,8 +166,8 @@ bool FreeSurface::is_run_into(const Place& place) const {
   return closing > 0;
 }
 
-// Whether the first of the cells above that one of which this does not hold is water of one or two cells, or a solid
-// that lies on it. Water in the last cell reaches the ceiling.
+// Goes up through the dry cells above for which `passes` holds: whether the next one is water one or two `cells` deep,
+// or a solid that lies on the cell. Water in the last cell reaches the ceiling.
 template <class Passes>
 bool FreeSurface::is_under(std::size_t at, LocalId c, int cells, const Passes& passes) const {
   while (++c < grid().columns() && !is_wet(++at) && passes(at)) {
@@ -176,13 +177,13 @@ bool FreeSurface::is_under(std::size_t at, LocalId c, int cells, const Passes& p
   return cells == 1 || c + 1 == grid().columns() || is_wet(at + 1) || is_solid(at + 1);
 }
 
-// Whether a cell holds more than what the particles of the water below it reach up there.
+// Whether a cell holds more than what the particles of the water below it contribute to it.
 bool FreeSurface::stands_in(std::size_t at, LocalId c) const {
   if (!upright() || c == 0 || is_solid(at - 1) || cuts()->face(2, at) == 0) return true;
   return water().height_of(fill_[at] * cuts()->capacity(at) / cuts()->capacity(at - 1)) > 0;
 }
 
-// What a cell under water and those beyond its open sides hold, of what they can.
+// The fill of a cell under water together with the cells beyond its open sides: what they hold over what they can hold.
 Real FreeSurface::fill_around(std::size_t at) const {
   if (is_solid(at) || !cuts()->is_near(at)) return fill_[at];
   Real held = open(at) * fill_[at], room = open(at);
@@ -197,10 +198,11 @@ Real FreeSurface::fill_around(std::size_t at) const {
   return held / room;
 }
 
-// Few particles tell what a cut cell holds: layers at a wall fill 0.7 of it or 1.05, and what it lacks the cells beside
-// have. Its level would rise by as much less or more than the water does: a tank turned by 45° was 4 % too slow, or 3 %
-// too fast where it stood elsewhere. So its fill counts over what the cells below that are cut as it is hold, of what
-// they and those beside them do: compression, which those share, stays in it. None where no cell is.
+// The fill of a cut cell depends on few particles: layers at a wall fill it to 0.7 or to 1.05, and the neighbouring
+// cells hold the difference. Its level would rise by as much less, or more, than the water does: a tank rotated by 45°
+// was 4 % too slow, or 3 % too fast in another position. Its fill is therefore divided by the ratio of what the cells
+// below that are cut alike hold to what they and their neighbours hold. Compression, which is common to these, is kept.
+// None if there is no such cell.
 std::optional<Real> FreeSurface::share_below(std::size_t floor, std::size_t top) const {
   if (cuts() == nullptr || !cuts()->is_near(top) || cuts()->floats(top) || cuts()->is_driven(top)) return std::nullopt;
   const Real capacity = cuts()->capacity(top);
@@ -214,14 +216,14 @@ std::optional<Real> FreeSurface::share_below(std::size_t floor, std::size_t top)
   return std::clamp(held / around, 1 - max_uneven, 1 + max_uneven);
 }
 
-// Continued by the slope from the cell beside that the water is nearer to.
+// Extrapolated with the slope from the neighbouring cell to which the water is closer.
 Real FreeSurface::level_at_middle(const Place& place) const {
   const auto [k, r, c] = place;
   const std::size_t at = grid().index(k, r, c);
   Real more = 0;
   for (std::size_t a = 0; a < 2; ++a) {
     const Real aside = cuts()->aside(a, at), way = std::abs(aside);
-    const bool upper = aside < 0;  // where the cell is that the water is nearer to
+    const bool upper = aside < 0;  // on which side that cell is
     const std::size_t step = grid().step(a), beside = upper ? at + step : at - step;
     if (way < min_aside || cuts()->face(a, upper ? beside : at) == 0 || is_solid(beside)) continue;
     if (grid().is_wall(a, k + (upper && a == 0), r + (upper && a == 1), c)) continue;
@@ -240,7 +242,7 @@ Real FreeSurface::level_at_middle(const Place& place) const {
   return std::max(height_[at] + std::clamp(more, -max_continued, max_continued), floor_fill);
 }
 
-// A body that floats turns, and its sides are upright but for a little: the mark falls with their slope.
+// A floating body turns, and its sides are nearly upright: the threshold decreases with their slope.
 Real FreeSurface::min_wet_fill(std::size_t at, LocalId c) const {
   if (!upright()) return wet_fill;
   if (c == 0) return floor_fill;
@@ -249,7 +251,7 @@ Real FreeSurface::min_wet_fill(std::size_t at, LocalId c) const {
   return cuts()->floats(at) ? wet_fill + slope * (floor_fill - wet_fill) : floor_fill;
 }
 
-// The surface in a small cell is that beside it, the mean of both where two faces are equally wide.
+// The surface in a small cell is that of its neighbour, or the mean of both where two faces are equally wide.
 Real FreeSurface::level_beyond_widest(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
   Real sum = 0, count = 0;
@@ -261,8 +263,8 @@ Real FreeSurface::level_beyond_widest(const Place& place) const {
   return count > 0 ? sum / count : height_[at];
 }
 
-// Beside a small cell at a body that floats: what the cells beyond its sides hold, of what they can; none where all of
-// them are small, too. The cell under it holds water long before the surface is as high as its own floor.
+// Beside a small cell at a floating body: the fill of the cells beyond its sides; none if all of these are small, too.
+// The cell below it holds water long before the surface is as high as the floor of the small cell.
 std::optional<Real> FreeSurface::fill_beside(const Place& place) const {
   Real sum = 0, weight = 0;
   for_each_side(place, [&](std::size_t beside, Real wide) {
@@ -272,7 +274,7 @@ std::optional<Real> FreeSurface::fill_beside(const Place& place) const {
   return weight > 0 ? std::optional(sum / weight) : std::nullopt;
 }
 
-// In a small cell beside a body that floats: that of the columns beyond its sides, wherever their top cells are.
+// In a small cell beside a floating body: the level of the columns beyond its sides, wherever their top cells are.
 Real FreeSurface::level_beside(const Place& place) const {
   Real sum = 0, weight = 0;
   for_each_side(place, [&](std::size_t beside, Real wide) {
@@ -284,7 +286,7 @@ Real FreeSurface::level_beside(const Place& place) const {
   return weight > 0 ? std::clamp(sum / weight, min_height, 1.0) : height_[grid().index(place.k, place.r, place.c)];
 }
 
-// visit(cell, width of the open face to it) for the cells beyond the sides of a cell that are not small.
+// Calls visit(cell, width of the open face to it) for the cells beyond the sides of a cell that are not small.
 template <class Visit>
 void FreeSurface::for_each_side(const Place& place, const Visit& visit) const {
   const auto [k, r, c] = place;
@@ -307,7 +309,8 @@ bool FreeSurface::is_small(std::size_t at) const {
   return cuts()->is_driven(at) && open < small_cell_at_driven - slope * (small_cell_at_driven - small_cell);
 }
 
-// The cells beyond the widest faces, which are as good as equal where obstacles lie evenly to the cells.
+// The cells beyond the widest faces. Faces are treated as equal where obstacles are aligned with the cells up to
+// rounding.
 template <class Visit>
 void FreeSurface::for_widest(const Place& place, const Visit& visit) const {
   constexpr Real equal = 0.999;

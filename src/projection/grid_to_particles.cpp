@@ -18,8 +18,8 @@ void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, Rea
   }
 }
 
-// What the linear mean says of a wall is extrapolated where few particles stand for the water, and what is more than
-// the mean of the cell's own, or against that, is not theirs (README.md).
+// The linear mean at a wall is an extrapolation where few particles represent the water. What exceeds the mean of the
+// cell's own particles, or is opposite to it, is not their motion (README.md).
 Real bounded(Real by_slope, Real by_mean) {
   if (by_mean * by_slope <= 0) return 0;
   return std::abs(by_mean) < std::abs(by_slope) ? by_mean : by_slope;
@@ -38,20 +38,20 @@ AffineMap times(AffineMap map, Real factor) {
 
 }  // namespace
 
-// A dry cell right above water under gravity: the few particles in it follow the top cell.
+// A dry cell directly above water under gravity: the few particles in it follow the top cell.
 bool GridToParticles::follows(std::size_t at) const {
   return surface_.upright() && !surface_.is_wet(at) && surface_.is_wet(at - 1) && !surface_.is_solid(at - 1);
 }
 
-// The fraction of the noise of a cell that dies in this step: less where it moves too fast to be noise. `rest2`: the
-// mean square of the motion that the fit leaves, m².
+// The fraction of the noise of a cell that decays in this step. It is smaller where the motion is too fast to be noise.
+// `rest2`: the mean square of the residual motion of the fit, m².
 Real GridToParticles::rate(Real rest2) const {
   const Real noise = noise_speed * step_.time * h_;
   return std::min(step_.time / noise_time, 1.0) / (1 + rest2 / (noise * noise));
 }
 
-// What part of what the fit leaves of a cell, `rest2`, m², is noise: of a smooth motion it is a small part of the mean
-// motion's square.
+// The fraction of the residual motion of a cell's fit, `rest2`, m², that is noise: of a smooth motion, the residual is
+// a small part of the square of the mean motion.
 Real GridToParticles::part_of_noise(LocalId k, LocalId r, LocalId c, Real rest2) const {
   const Moments moments = surface_.water().moments(surface_.grid().index(k, r, c));
   const ByAxis& u = moments.flow.u;
@@ -60,7 +60,8 @@ Real GridToParticles::part_of_noise(LocalId k, LocalId r, LocalId c, Real rest2)
   return smooth > 0 ? rest2 / (rest2 + smooth) : 1;
 }
 
-// Whether the surface is at the cell or one of the next above it. Solid cells are wet unless it is beneath them.
+// Whether the surface is in the cell or in one of the next cells above it. Solid cells are wet unless it is beneath
+// them.
 bool GridToParticles::is_near_surface(std::size_t floor, LocalId c) const {
   const LocalId end = std::min(c + cut_noise_cells, surface_.grid().columns());
   for (LocalId above = c; above < end; ++above) {
@@ -145,15 +146,15 @@ void GridToParticles::find_damping(Damping& damping, LocalId k, LocalId r) const
   if (cells.begin < cells.end) add_maps(rows_around(grid, cut_fit_, {k, r, cells}, of_cut), damping.row.data());
 }
 
-// By the solid that closes it, and by water that comes through.
+// The displacement of the solid that closes the face, plus that of water that flows through it.
 Real GridToParticles::moved(std::size_t a, std::size_t face) const {
   const CutCells* cuts = surface_.cuts();
   const Openings* openings = surface_.openings();
   return (cuts != nullptr ? cuts->moved(a, face) : 0) + (openings != nullptr ? openings->displacement(a, face) : 0);
 }
 
-// What takes the particles of a cell along with a wall, or with a solid. They move towards it as the linear mean at its
-// face does.
+// The displacement that takes the particles of a cell along with a wall or a solid. They move towards it like the
+// linear mean at its face.
 Real GridToParticles::through_closed(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
@@ -183,7 +184,8 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   bool low_known = false, high_known = false;
   pair.low = through(lower, pair.low_closed, low_known);
   pair.high = through(upper, pair.high_closed, high_known);
-  // A face between two dry cells has no phi on either side; under gravity it takes that of the opposite face.
+  // A face between two dry cells has no phi on either side; under gravity it takes the displacement of the opposite
+  // face.
   if (surface_.upright() && !low_known) pair.low = pair.high;
   if (surface_.upright() && !high_known) pair.high = pair.low;
   return pair;
@@ -203,7 +205,7 @@ void GridToParticles::pull_back_beyond_weight(std::size_t cell, CellDisplacement
   pull_back(motion, surface_.grid().per_length(), std::clamp(middle.z(), 0.0, step_.g_dt2), share, by);
 }
 
-// Of a cell in the water, the mean upward displacement by its open faces.
+// For a cell in the water, the mean upward displacement at its open faces.
 std::optional<Real> GridToParticles::mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const {
   const std::size_t at = surface_.grid().index(k, r, c);
   if (!is_water(at)) return std::nullopt;
@@ -217,7 +219,7 @@ std::optional<Real> GridToParticles::mean_rise(const Pressure& pressure, LocalId
   return faces > 0 ? std::optional(sum / faces) : std::nullopt;
 }
 
-// By how much the upward displacement changes from cell to cell along a, m.
+// The change of the upward displacement from cell to cell along a, m.
 Real GridToParticles::change_of_rise(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const {
   const LocalId plane = a == 0 ? 1 : 0, row = a == 1 ? 1 : 0;
   const ProjectionGrid& grid = surface_.grid();
@@ -229,8 +231,8 @@ Real GridToParticles::change_of_rise(const Pressure& pressure, std::size_t a, Lo
   return low ? *own - *low : *high - *own;
 }
 
-// The mixed difference of phi along planes and rows, m², in the mean over the edges of a cell around which all four
-// cells are in the water.
+// The mixed difference of phi along planes and rows, m², averaged over the edges of a cell around which all four cells
+// are in the water.
 Real GridToParticles::mixed_difference(const Pressure& pressure, std::size_t at) const {
   const std::size_t plane = surface_.grid().step(0), row = surface_.grid().step(1);
   Real sum = 0;
@@ -250,7 +252,7 @@ Real GridToParticles::mixed_difference(const Pressure& pressure, std::size_t at)
   return edges > 0 ? sum / edges : 0;
 }
 
-// The mean path of the particles of a cell, cells, by direction: at most max_path along each axis, and nothing if it is
+// The mean path of the particles of a cell, in cells, by direction: at most max_path along each axis, and zero if it is
 // short or the particles are few.
 std::array<Real, 3> GridToParticles::mean_path(std::size_t at) const {
   const ProjectionGrid& grid = surface_.grid();
@@ -264,15 +266,15 @@ std::array<Real, 3> GridToParticles::mean_path(std::size_t at) const {
   return path;
 }
 
-// The displacement by faces is linear along its own direction only. Across that it is the one of the cell that holds
-// the ends of the paths, while pressure acts where they begin. It is therefore moved back by the mean path of the cell,
-// as far as volumes are (max_path), with its changes across, which are mixed derivatives of phi. Without this the
-// upward displacement was that of a path ahead of the level that makes it, and waves of 1 m on a current of 1 m/s grew,
-// or died, by a tenth in a second at 1/120 s. What is pulled back (pull_back()) acts midway of the path, but for the
-// upward displacement, which follows from the level, and thus belongs to the beginning: otherwise waves around water
-// that turns in a cylinder of R = 20 s grew by half to twice in each turn at 1/120 and 1/60 s. Under gravity
-// horizontal displacements are not moved back by the upward path: waves of 3 spacings by a piston then lost 1.1 % of
-// their height in each wavelength, and were 1.2 % too short.
+// The displacement by the faces is linear only along its own direction. Across that direction it is the displacement of
+// the cell that holds the ends of the paths, whereas pressure acts where the paths begin. It is therefore moved back by
+// the mean path of the cell, as far as volumes are (max_path), using its changes across, which are mixed derivatives of
+// phi. Without this the upward displacement was that of a point one path ahead of the level that causes it, and waves
+// of 1 m on a current of 1 m/s grew or decayed by a tenth in a second at 1/120 s. What is pulled back (pull_back())
+// acts at the middle of the path. The upward displacement is an exception: it follows from the level and thus belongs
+// to the beginning of the path. Otherwise waves around water that rotates in a cylinder of R = 20 s grew by half to
+// twice in each turn at 1/120 and 1/60 s. Under gravity horizontal displacements are not moved back by the upward path:
+// waves of 3 spacings from a piston then lost 1.1 % of their height per wavelength and were 1.2 % too short.
 void GridToParticles::move_back_across(const Pressure& pressure, LocalId k, LocalId r, LocalId c,
                                        CellDisplacement& by) const {
   const ProjectionGrid& grid = surface_.grid();

@@ -30,12 +30,12 @@ Real GridToParticles::rise_across(const Pressure& pressure, std::size_t a, Local
   return pressure.displacement(surface_, a, at + step) - pressure.displacement(surface_, a, at);
 }
 
-// The displacement by pressure along a at the solid's surface in a cell. The place of the surface between the two
-// faces, weighted by its normal, follows from what of the cell and of the faces is open (Gauss's theorem). Between open
-// faces the displacement is linear, and where one of them is closed it is extrapolated with its change across the cell
-// before. Without this the faces of a cell at a slanting wall were asked at places that lie apart along it, and
-// the closed faces pushed particles along the wall: water that filled a cylinder of 10 spacings lost 11 % of its
-// angular momentum in ten turns at 1/60 s, and 5 % with it.
+// The displacement along a that the pressure causes at the solid's surface in a cell. The mean position of the surface
+// between the two faces, weighted by its normal, follows from the open parts of the cell and of the faces (Gauss's
+// theorem). Between open faces the displacement is linear. Where one of them is closed, it is extrapolated with its
+// change across the cell before. Without this the displacements of the faces of a cell at an inclined wall were taken
+// at positions that lie apart along the wall, and the closed faces pushed particles along it: water that filled a
+// cylinder of 10 spacings lost 11 % of its angular momentum in ten turns at 1/60 s, and loses 5 % with it.
 Real GridToParticles::at_surface(std::size_t a, std::size_t at, const FacePair& faces) const {
   const CutCells& cuts = *surface_.cuts();
   const std::size_t step = surface_.grid().step(a);
@@ -50,25 +50,26 @@ Real GridToParticles::at_surface(std::size_t a, std::size_t at, const FacePair& 
   return faces.low + place * (faces.high - faces.low);
 }
 
-// Beside bodies that float it is the displacement that bears the weight: with that of the faces they lean and heave
+// Beside floating bodies this is the displacement that bears the weight: with that of the faces, bodies lean and heave
 // more.
 Vec3 GridToParticles::at_surface(std::size_t at, const Faces& faces) const {
   if (surface_.cuts()->floats(at)) return {0, 0, step_.g_dt2};
   return {at_surface(0, at, faces[0]), at_surface(1, at, faces[1]), at_surface(2, at, faces[2])};
 }
 
-// Nothing where the surface has no direction. A sheet one cell deep on a solid, and water at a body that moves freely,
-// are bounded as water at walls is: the slope beside a light body that rises is steep, and throws what is few. `own`:
-// the cell whose particles they are, `at` or the dry one above that follows it.
+// Nothing where the surface has no direction. The motion of a sheet one cell deep on a solid, and of water at a freely
+// moving body, is bounded like that of water at walls: beside a light body that rises the velocity gradient is steep,
+// and would throw particles where there are few. `own` is the cell that holds the particles: `at`, or the dry one above
+// that follows it.
 std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std::size_t at, std::size_t own,
                                                                             const Faces& faces,
                                                                             const Vec3& pushed) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
   const ParticlesToGrid& water = surface_.water();
-  // A wet cell without particles, below one that follows it, has no fit of this step.
+  // A wet cell without particles, below a dry one that follows it, has no fit in this step.
   const AffineMap fit = water.fit(at).weight > 0 ? water.fit(at) : AffineMap{};
-  Vec3 area = Vec3::Zero(), solid = Vec3::Zero();  // of the solid's surface, out of it; and how it moves
+  Vec3 area = Vec3::Zero(), solid = Vec3::Zero();  // area vector of its surface, out of the solid; and its motion
   Real flux = 0, divergence = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto i = static_cast<Eigen::Index>(a);
@@ -78,7 +79,7 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
     high[b] = 1;
     flux += cuts.face(a, above) * fit.at(b, high) - cuts.face(a, at) * fit.at(b, low);
     divergence += fit.b[b][b];
-    if (faces[a].low_wall || faces[a].high_wall) continue;  // the box's face is no part of the solid's surface
+    if (faces[a].low_wall || faces[a].high_wall) continue;  // a wall of the box is not part of this surface
     area[i] = cuts.face(a, above) - cuts.face(a, at);
     const Real closed_low = 1 - cuts.face(a, at), closed_high = 1 - cuts.face(a, above);
     if (closed_low + closed_high > 0)
@@ -96,9 +97,10 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
   return SolidSurface{n, into};
 }
 
-// At the closed faces of a cell that a solid cuts, but for those in the walls of the box. What the surface asks for is
-// asked for at the surface, which in the mean is as far from an open face as the cell's volume reaches from it; the
-// closed face beyond takes the linear continuation; not beside a body that floats, which sailed on by it.
+// For the closed faces of a cell that a solid cuts, except those in walls of the box. The slip condition holds at the
+// surface itself, whose mean distance from an open face is the open volume of the cell over the open area of this face.
+// The closed face beyond gets the linear extrapolation. This is not done beside a floating body, which kept sailing on
+// with it.
 void GridToParticles::slip(std::size_t at, std::size_t own, Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();

@@ -27,12 +27,12 @@ void for_each_cell_in(const ProjectionGrid& grid, const Box& bounds, const Visit
   }
 }
 
-// Whether row r of plane k is one of this rank or beside one of its own.
+// Whether row r of plane k belongs to this rank or is adjacent to one that does.
 bool is_known(const ProjectionGrid& grid, LocalId k, LocalId r) {
   return k >= 0 && k <= grid.planes() + 1 && r >= -1 && r <= grid.rows();
 }
 
-// Samples of a cell that a drain takes, of two along each axis.
+// The number of samples of a cell, two along each axis, that lie in a drain's region.
 int taken_of(const std::function<bool(const Vec3&)>& takes, const Vec3& corner, const Vec3& size) {
   int taken = 0;
   for (int n = 0; n < 8; ++n) {
@@ -44,9 +44,9 @@ int taken_of(const std::function<bool(const Vec3&)>& takes, const Vec3& corner, 
 
 }  // namespace
 
-// A drain is the cells of which it takes at least half, and where there are none the cells of which it takes most. What
-// is not a hole keeps the cells that it takes whole empty by itself; of these only those beside others are told, as a
-// plane may take most of the box.
+// A drain consists of the cells of which it takes at least half. If there are none, it consists of the cells of which
+// it takes the largest part. A drain that is not a hole keeps the cells that it takes completely empty by itself. Of
+// these only the cells adjacent to others are recorded, because a plane may take most of the box.
 void Openings::find_drained(const ProjectionGrid& grid) {
   constexpr int half = 4, whole = 8;
   Vec3 size = Vec3::Zero(), low = size;
@@ -65,7 +65,7 @@ void Openings::find_drained(const ProjectionGrid& grid) {
       return corner;
     };
     const auto taken_in = [&](const Cell& cell) { return taken_of(drain.takes, corner_of(cell), size); };
-    // The outermost samples of the cells around are then in the region, which is convex.
+    // The outermost samples of the surrounding cells are then in the region, which is convex.
     const auto is_inner = [&](const Cell& cell) {
       return taken_of(drain.takes, corner_of(cell) - 2 * size, 5 * size) == whole;
     };
@@ -86,8 +86,8 @@ void Openings::find_drained(const ProjectionGrid& grid) {
   }
 }
 
-// Of the cells of a drain, those from number `first` on: a hole is one cell thick and has one wall of the box behind
-// it.
+// For the cells of a drain, those from number `first` on: a hole is one cell thick and has exactly one wall of the box
+// behind it.
 void Openings::find_wall(const ProjectionGrid& grid, std::size_t first) {
   int walls = 0, out = -1;
   bool up = false;
@@ -99,7 +99,7 @@ void Openings::find_wall(const ProjectionGrid& grid, std::size_t first) {
       most = std::max(most, drained_cells_[n].cell[a]);
     }
     const bool low = least == 0, high = most + 1 == grid.count(a);
-    if (low == high) continue;  // none, or from wall to wall
+    if (low == high) continue;  // no wall, or from wall to wall
     ++walls;
     if (least != most) continue;
     out = static_cast<int>(a);
@@ -163,7 +163,7 @@ void Openings::measure(const ProjectionGrid& grid) {
   for (const Source& source : sources_) measure_source(grid, source);
 }
 
-// The cube around the place fills up, as far as it is in the box.
+// The cube around the source is filled, as far as it lies in the box.
 void Openings::measure_source(const ProjectionGrid& grid, const Source& source) {
   std::array<LocalId, 3> from{}, to{};
   std::array<Real, 3> low{}, high{}, place{};  // in cells
@@ -192,10 +192,10 @@ void Openings::measure_source(const ProjectionGrid& grid, const Source& source) 
   }
 }
 
-// `cell` of the box, with its share and how far ahead of the opening its middle is, in cells.
+// `cell` of the box, with its share and the distance of its centre ahead of the opening, in cells.
 void Openings::add_gain(const ProjectionGrid& grid, const Source& source, const Cell& cell,
                         const std::pair<Real, Real>& share_ahead) {
-  constexpr Real whole = -0.25;  // a cell as far behind the opening as that is water behind it
+  constexpr Real whole = -0.25;  // a cell this far behind the opening is itself the water behind it
   const auto [share, ahead] = share_ahead;
   const LocalId k = grid.own_plane(cell[0]), r = grid.own_row(cell[1]);
   if (k < 1 || k > grid.planes() || r < 0 || r >= grid.rows() || cell[2] >= grid.columns()) return;

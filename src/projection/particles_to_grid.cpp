@@ -19,17 +19,18 @@ Range joined(Range a, Range b) {
 
 bool is_in(LocalId c, Range range) { return c >= range.begin && c < range.end; }
 
-// Rows of a plane that are summed at a time: all of them where planes are enough for the threads, as rows at the ends
-// of a part are summed twice.
+// The number of rows of a plane that are summed at a time: all of them if there are enough planes for the threads,
+// because the rows at the ends of a part are summed twice.
 LocalId rows_of_sums(Range planes, LocalId rows) {
   constexpr LocalId parts_of_thread = 4, fewest = 8;
   const LocalId parts = (parts_of_thread * thread_count() + planes.size() - 1) / planes.size();
   return thread_count() == 1 ? rows : std::max((rows + parts - 1) / parts, fewest);
 }
 
-// Along x and y a particle is the convolution of two boxes, the first as many whole spacings wide as a cell has, and
-// both together two cells: that is even for a lattice, and at h = 2 s a tent that ends a cell away, so that volumes
-// change by what particles say of the faces. Along z it is a tent that ends one spacing away.
+// Along x and y the density of a particle is the convolution of two boxes. The first is as wide as the largest whole
+// number of spacings in a cell, and both together are two cells wide. For a lattice this is uniform. At h = 2 s it is a
+// tent that ends a cell away, so that volumes change by the displacements that particles give to faces. Along z it is a
+// tent that ends one spacing away.
 CellFrame frame_of_particles(const ProjectionGrid& grid, Real spacing) {
   constexpr Real rounding = 1e-9;
   CellFrame frame{};
@@ -50,7 +51,7 @@ CellFrame frame_of_particles(const ProjectionGrid& grid, Real spacing) {
   return frame;
 }
 
-// Layers of particles beyond a side of a cell, the first at its face.
+// For layers of particles beyond one side of a cell, the first of them at its face.
 Real largest_from_one_side(const ProjectionGrid& grid, const CellFrame& frame, Real spacing) {
   Real most = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -67,7 +68,7 @@ Real largest_from_one_side(const ProjectionGrid& grid, const CellFrame& frame, R
   return most;
 }
 
-// The middles of the open parts of a row of faces, in cells from the corner of the cell above, by coordinate.
+// The centroids of the open parts of a row of faces, in cells from the corner of the cell above, by coordinate.
 class FaceMiddles {
  public:
   void find(std::size_t a, std::size_t first, std::size_t count, const CutCells* cuts) {
@@ -135,7 +136,7 @@ void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& m
   for_each_row(grid_.rows_of({1, planes + 2}), [&](LocalId k, LocalId r) {
     find_faces(0, k, r, cuts);
     if (k > planes) return;
-    if (!grid_.is_layer()) find_faces(1, k, r, cuts);  // across a layer nothing moves
+    if (!grid_.is_layer()) find_faces(1, k, r, cuts);  // nothing moves across a layer
     find_faces(2, k, r, cuts);
   });
 }
@@ -155,8 +156,8 @@ CellParticles ParticlesToGrid::particles_of(const CellOrder& order, LocalId k, L
   return {begin, end, grid_.place_of(k, r, c)};
 }
 
-// The rows beside these add to them, too, and are summed again where they belong. So each row is added to by the same
-// rows in the same order, whatever the parts are.
+// The rows beside these contribute to them, too, and are summed again where they belong. Each row thus receives the
+// contributions of the same rows in the same order, however the rows are divided into parts.
 void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, const Motion& motion,
                                const CutCells* cuts) {
   const LocalId rows = grid_.rows(), beyond = grid_.rows_wrap() ? 1 : 0;
@@ -165,7 +166,7 @@ void ParticlesToGrid::sum_rows(const CellOrder& order, LocalId k, Range own, con
     volumes_.clear(k, r);
   }
   if (grid_.rows_are_cut() && own.begin == 0 && grid_.has_row(-1)) add_ghost_row(k, 0);
-  // Where rows repeat, the last one is also before the first, and the first beyond the last.
+  // Where rows repeat, the last row also precedes the first one, and the first one follows the last.
   const LocalId end = std::min(own.end + 1, rows + beyond);
   for (LocalId row = std::max(own.begin - 1, -beyond); row < end; ++row) {
     const LocalId r = (row + rows) % rows;
@@ -188,8 +189,8 @@ CellSums ParticlesToGrid::sums_of(const CellNumbers& at, const CellParticles& ce
                          : sum_cell(near->beside_solids(frame_, grid_, at), motion, cell);
 }
 
-// What cells of the last row before a cut add to the first one after it, and the other way: particles of ghost cells
-// are not known.
+// The contributions of the last row before a cut to the first row after it, and vice versa: the particles of ghost
+// cells are not known.
 void ParticlesToGrid::exchange_volumes(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
   const LocalId planes = grid_.planes();
   for (std::size_t side : {0U, 1U}) {
@@ -225,7 +226,8 @@ void ParticlesToGrid::find_volumes_beside(const CellOrder& order, const Motion& 
   });
 }
 
-// Adds what the row before the own ones, or after them, adds to the own row beside it, in the order of its cells.
+// Adds the contributions of the row before or after the owned ones to the adjacent owned row, in the order of its
+// cells.
 void ParticlesToGrid::add_ghost_row(LocalId k, std::size_t side) {
   const bool repeats = grid_.repeats()[2];
   const LocalId r = side == 0 ? 0 : grid_.rows() - 1, columns = grid_.columns(k, r);
@@ -255,7 +257,7 @@ void ParticlesToGrid::add_volume(const RowsToAdd& to, LocalId c, const CellSums&
   const bool along_x = grid_.axis(0) == 0, repeats = grid_.repeats()[2];
   for (auto i = static_cast<std::size_t>(to.rows.begin); i < static_cast<std::size_t>(to.rows.end); ++i) {
     const LocalId columns = to.columns[i];
-    // Of the planes below, of its own and above: as they lie one after the other in the sums.
+    // Of the plane below, of the own plane and of the plane above, as they lie one after another in the sums.
     const Real* const of_row = reinterpret_cast<const Real*>(&sums.volume) + (along_x ? 3 : 9) * i;
     const std::size_t next_plane = along_x ? 9 : 3;
     const LocalId begin = repeats ? c - 1 : std::max(c - 1, 0), end = repeats ? c + 2 : std::min(c + 2, columns);
@@ -276,7 +278,7 @@ void ParticlesToGrid::find_volumes(LocalId k, LocalId r, std::span<Real> volumes
   }
 }
 
-// Of ghost planes not all rows are known to hold nothing above their columns.
+// In ghost planes some rows are not known to hold nothing above their columns.
 void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
   const auto holds_any = [&](LocalId c) { return sums_.number(0, k, r, c) > 0; };
   Range& filled = filled_[row_index(k, r)] = {0, grid_.columns()};
@@ -288,7 +290,8 @@ void ParticlesToGrid::find_filled(LocalId k, LocalId r) {
   }
 }
 
-// For MotionFits, until the next call. It asks of no cell above one: how many columns there are is no matter.
+// For MotionFits, valid until the next call. It never looks at the cell above, so the number of columns does not
+// matter.
 const Real* ParticlesToGrid::cells_at_solids(const CutCells& cuts, LocalId k, LocalId r) const {
   static thread_local std::vector<Real> at_solid;
   at_solid.assign(static_cast<std::size_t>(grid_.columns()) + FourCells::count, 0.0);
@@ -307,12 +310,12 @@ void ParticlesToGrid::fit_row(TentMemory& memory, const CutCells* cuts, LocalId 
              {fit_.row(k, r), spread_.row(k, r), frame_, at_solid});
 }
 
-// Lower faces of the cells of a row in direction a, and the upper one at the end of the last row or of a column, as far
-// as there are particles beside them.
+// Displacements of the lower faces of the cells of a row in direction a, and of the upper face at the end of the last
+// row or of a column, as far as there are particles beside them.
 void ParticlesToGrid::find_faces(std::size_t a, LocalId k, LocalId r, const CutCells* cuts) {
   const LocalId last_row = a == 1 && r + 1 == grid_.rows() && !grid_.rows_wrap() ? r + 1 : r;
   static thread_local FaceMiddles middles;
-  const bool cuts_faces = cuts != nullptr && cuts->cuts_row(k, r);  // or of the row after it
+  const bool cuts_faces = cuts != nullptr && cuts->cuts_row(k, r);  // of this row or of the row after it
   for (LocalId row = r; row <= last_row; ++row) {
     const LocalId plane_below = a == 0 ? k - 1 : k;
     const LocalId row_below = a != 1 ? row : grid_.row_beside(row - 1);

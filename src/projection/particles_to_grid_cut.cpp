@@ -1,8 +1,9 @@
-// Faces without particles on either side. A cell may hold none though it counts as water: in a corner of a piece of
-// water that flies, or where a solid leaves a part of a cell (free_surface_cut.cpp), as a lattice leaves out what is
-// within half a spacing of a curved wall. A face between two such cells moves as the fits of the cells around say. As
-// long as such faces stood still, water that moved as a whole had a divergence there: water in a cylinder of R = 10
-// spacings was braked by an eighth in the first turn, and of blocks thrown askew particles were kicked by 1 m/s.
+// Faces without particles on either side. A cell may hold no particle although it counts as water: in a corner of a
+// piece of water in flight, or where a solid leaves open a part of a cell (free_surface_cut.cpp), because a lattice
+// leaves out what is within half a spacing of a curved wall. A face between two such cells moves as given by the fits
+// of the surrounding cells. As long as such faces stood still, water that moved as a whole had a divergence there:
+// water in a cylinder of R = 10 spacings was slowed down by an eighth in the first turn, and particles of blocks thrown
+// obliquely were kicked by 1 m/s.
 #include "projection/particles_to_grid.hpp"
 
 #include <algorithm>
@@ -21,8 +22,8 @@ void ParticlesToGrid::displace_empty_face(const EmptyFace& face, const CutCells*
   if (mean.weight > 0) displacement_[a][at] = mean.sum / mean.weight;
 }
 
-// Columns in which faces between two cells of a row and the one below it along `a` may have no particle on either side,
-// and some around.
+// Columns in which the faces between the cells of a row and those below them along `a` may have no particles on either
+// side but some around them.
 Range ParticlesToGrid::cells_without(std::size_t a, LocalId k, LocalId r) const {
   CellNumbers below{k, r, 0};
   if (a != 2) --below[a];
@@ -38,7 +39,8 @@ Range ParticlesToGrid::cells_without(std::size_t a, LocalId k, LocalId r) const 
   return {first, grid_.repeats()[2] ? grid_.columns() : std::min(grid_.columns(k, r), highest + 1)};
 }
 
-// Whether there is such a cell, whose number is made that of the other end of the box where rows or columns repeat.
+// Whether there is such a cell. Where rows or columns repeat, its number becomes that of the cell at the other end of
+// the box.
 bool ParticlesToGrid::exists(CellNumbers& cell) const {
   cell[1] = grid_.row_beside(cell[1]);
   if (grid_.repeats()[2]) cell[2] = (cell[2] + grid_.columns()) % grid_.columns();
@@ -46,7 +48,7 @@ bool ParticlesToGrid::exists(CellNumbers& cell) const {
   return is_known && cell[0] >= 0 && cell[0] <= grid_.planes() + 1 && cell[2] >= 0 && cell[2] < grid_.columns();
 }
 
-// What the fits of the four cells beside `cell` along the face say of a place in it, in cells from its corner.
+// Adds the values at a point of `cell`, in cells from its corner, of the fits of the four neighbours along the face.
 void ParticlesToGrid::add_fits_around(std::size_t a, const CellNumbers& cell, const ByAxis& place,
                                       FittedMean& mean) const {
   for (std::size_t b = 0; b < 3; ++b) {

@@ -32,7 +32,7 @@ void Pressure::begin(Halo& halo) { multigrid_.solve(halo, closed_ ? closed_cycle
 void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change) {
   const Real source = change / surface.grid().size()[static_cast<Eigen::Index>(a)];
   const std::size_t step = surface.grid().step(a);
-  if (at < step) return;  // in the lowest ghost plane
+  if (at < step) return;  // the face is in the lowest ghost plane
   const std::size_t below = at - step;
   if (surface.is_wet(at)) multigrid_.finest().rhs[at] -= source;
   if (surface.is_wet(below)) multigrid_.finest().rhs[below] += source;
@@ -49,7 +49,8 @@ void Pressure::finish(const FreeSurface& surface, Halo& halo) {
   grid.complete(halo, multigrid_.finest().phi);
 }
 
-// Where rows do not repeat, the one beyond the last has no water; its lower faces are walls, and stay without weight.
+// Where rows do not repeat, the row beyond the last one has no water; its lower faces are walls and keep the weight
+// zero.
 void Pressure::weigh_row(const FreeSurface& surface, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
   auto& weight = multigrid_.finest().link;
@@ -66,7 +67,7 @@ void Pressure::weigh_row(const FreeSurface& surface, LocalId k, LocalId r) {
   }
 }
 
-// Only water that reaches the ceiling, or that has gravity nowhere, may have none.
+// Only water that reaches the ceiling, or water without gravity, may have no surface.
 bool Pressure::has_no_surface(const FreeSurface& surface) const {
   const ProjectionGrid& grid = surface.grid();
   if (surface.upright() && grid.columns() < grid.count(2)) return false;
@@ -114,8 +115,9 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
   }
 }
 
-// A cell before an opening holds what goes through it: it does not return to its volume. Water that leaves takes the
-// whole height of the cell's water along, water that enters what the opening covers, over that height.
+// The cell in front of an opening contains what flows through it and does not return to its volume. Water that leaves
+// takes with it the whole height of the water in the cell; water that enters takes the part that the opening covers,
+// divided by that height.
 void Pressure::find_flow_through_walls(const FreeSurface& surface) {
   Borrowed<Real>& rhs = multigrid_.finest().rhs;
   const std::vector<Openings::Face>& faces = surface.openings()->faces();
@@ -132,9 +134,10 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
   }
 }
 
-// Water that comes out of an inlet under water needs room, in cells with water behind the opening, or a wall and water
-// down to the floor. Beside air they need no more than what moves on leaves: out of a wall in the air it moves on as if
-// the wall let it through, which would hold it back. Where no water has a surface there is none to be made.
+// Water from an inlet under water needs room in cells with water behind the opening, or with a wall behind it and water
+// down to the floor. Beside air it needs no more than what the moving water vacates: out of a wall in the air, the
+// water moves on as if the wall let it through, because the wall would otherwise hold it back. If none of the water has
+// a surface, no room can be made.
 void Pressure::find_inflow(const FreeSurface& surface) {
   inflow_.clear();
   if (closed_) return;
@@ -162,10 +165,10 @@ bool Pressure::stands_on_floor(const FreeSurface& surface, const Openings::Gain&
   return true;
 }
 
-// A top cell returns to its volume only as far as water stands above it that could fill it, and cells at another
-// surface only when they hold too much: nothing pulls there. Nor does a cut cell return that holds hardly anything:
-// into a wedge between a slope and the cells beside it no particle may fit. Water without a surface keeps its volume as
-// a whole.
+// A top cell returns to its volume only as far as there is water above it that could fill it, and cells at any other
+// surface do so only if they hold too much: nothing pulls there. A cut cell that holds hardly anything does not return
+// either: it may be that no particle fits into a wedge between a slope and the neighbouring cells. Water without a
+// surface keeps its volume as a whole.
 Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface.grid();
   const std::size_t at = grid.index(k, r, c);
@@ -177,7 +180,7 @@ Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k,
     if (surface.is_top(at)) {
       const Real above = std::max(surface.fill(at + 1), 0.0), height = surface.water().height_of(above);
       fraction *= std::clamp(2 * height, 0.0, 1.0);
-      if (less < 0) less = std::min(less + (above - height), 0.0);  // its own particles reach up there
+      if (less < 0) less = std::min(less + (above - height), 0.0);  // its own particles extend up into that cell
     }
   } else {
     const ParticlesToGrid::Means m = surface.water().means(at);
@@ -188,7 +191,7 @@ Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k,
   return fraction * (surface.is_cut(at) ? cut_return : 1) * surface.open(at) * less;
 }
 
-// Whether air is beside the cell or under it, or anywhere around it without gravity.
+// Whether there is air beside the cell or below it, or without gravity anywhere around it.
 bool Pressure::may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface.grid();
   const std::size_t at = grid.index(k, r, c);
@@ -201,7 +204,7 @@ bool Pressure::may_swell(const FreeSurface& surface, LocalId k, LocalId r, Local
   return false;
 }
 
-// Links between two cells of water, 1/m²; those to cells of air are in the Dirichlet diagonal.
+// Links between two wet cells, 1/m²; those to dry cells are part of the Dirichlet diagonal.
 void Pressure::drop_air_links(const FreeSurface& surface, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
   auto& link = multigrid_.finest().link;
@@ -216,7 +219,7 @@ void Pressure::drop_air_links(const FreeSurface& surface, LocalId k, LocalId r) 
 }
 
 // Divergence of the displacements of the faces, as if the cell were full of water: faces count as far as they are open,
-// and nothing passes a wall. A moving solid takes the rest of a face along; `moved`: whether one may be there.
+// and nothing passes a wall. A moving solid displaces the rest of a face. `moved`: whether there may be one.
 Real Pressure::divergence(const FreeSurface& surface, std::size_t at, bool moved) const {
   const ProjectionGrid& grid = surface.grid();
   const auto& weight = multigrid_.finest().link;
@@ -236,7 +239,7 @@ Real Pressure::divergence(const FreeSurface& surface, std::size_t at, bool moved
   return sum;
 }
 
-// In a column that stands on the floor, the hydrostatic phi below that column's own surface, as if solids were water.
+// In a column that stands on the floor: the hydrostatic phi below the surface of this column, as if solids were water.
 void Pressure::set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
   MultigridLevel& cells = multigrid_.finest();

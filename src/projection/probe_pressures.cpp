@@ -11,7 +11,7 @@ struct Sum {
   Real phi = 0, weight = 0;
 };
 
-// In the row (k, r), at a height in cells from the floor.
+// Of the row (k, r), at a height given in cells from the floor.
 Sum sum_at(const FreeSurface& surface, const Pressure& pressure, Real g_dt2, std::pair<LocalId, LocalId> row,
            Real height) {
   const ProjectionGrid& grid = surface.grid();
@@ -28,7 +28,7 @@ Sum sum_at(const FreeSurface& surface, const Pressure& pressure, Real g_dt2, std
   return sum;
 }
 
-// The number of a cell that may be beyond the ends of the box along direction a.
+// The number of a cell along direction a that may lie beyond the ends of the box.
 LocalId in_box(const ProjectionGrid& grid, std::size_t a, LocalId cell) {
   const LocalId count = grid.count(a);
   return grid.repeats()[a] ? (cell + count) % count : std::clamp(cell, 0, count - 1);
@@ -36,7 +36,7 @@ LocalId in_box(const ProjectionGrid& grid, std::size_t a, LocalId cell) {
 
 }  // namespace
 
-// The grid's phi is negative where there is pressure; in a splash it may be anything.
+// On the grid phi is negative where there is pressure; in a splash it may have any value.
 void probe_pressures(const FreeSurface& surface, const Pressure& pressure, Real g_dt2, PressureProbes& probes) {
   const ProjectionGrid& grid = surface.grid();
   for (std::size_t n = 0; n < probes.count(); ++n) {

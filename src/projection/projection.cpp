@@ -16,7 +16,7 @@ ActiveRows::Least min_particles(const ProjectionGrid& grid, Real spacing, bool s
   return {number(projection::deep_fill), number(solids ? projection::deep_fill : projection::surface_fill)};
 }
 
-// Those of a row that are in its cells from `column` on stay where they are.
+// Particles of a row in its cells from `column` on are not displaced.
 template <class T>
 void leave_from(const CellOrder& order, LocalId k, LocalId r, LocalId column, std::span<Vec4<T>> out) {
   const LocalId columns = order.grid().columns();
@@ -93,7 +93,7 @@ void Projection::displacements(const CellOrder& order, Real dt, const Motion& mo
       shares_.add_to(by, grid_.index(k, r, c));
       displace_cell(particles_to_grid_.frame(), motion, cell, by, &out[cell.begin]);
     });
-    leave_from<T>(order, k, r, grid_.columns(k, r), out);  // those above are in flight
+    leave_from<T>(order, k, r, grid_.columns(k, r), out);  // particles above these are in flight
   });
   if (obstacles_ != nullptr) record_forces<T>(order, model_.gravity * dt * dt, motion, out);
   particles_to_grid_.keep_fits();
@@ -125,7 +125,7 @@ void Projection::measure_rows(const CellOrder& order, Halo& halo) {
   const LocalId highest =
       grid_.repeats()[2] ? grid_.count(2) : std::min((rows_.max_columns() + step - 1) / step * step, grid_.count(2));
   grid_.resize(order.window(), highest);
-  // The ghosts, too: where the box ends nothing is received.
+  // Ghost cells included: beyond the ends of the box nothing is received.
   for_each_row(grid_.rows_and_ghosts_of({0, order.planes() + 2}), [&](LocalId k, LocalId r) {
     grid_.set_columns(k, r, cuts_ || grid_.repeats()[2] ? grid_.columns() : rows_.columns(k, r));
   });
@@ -150,7 +150,7 @@ void Projection::filter_shifts(const CellOrder& order, Halo& halo, const Swept<T
       particles_to_grid_.for_each_cell(order, k, r, [&](LocalId c, const CellParticles& cell) {
         remove_smooth(particles_to_grid_.frame(), swept, cell, smooth.at(c), &out[cell.begin]);
       });
-      leave_from<T>(order, k, r, grid_.columns(k, r), out);  // those above are in flight
+      leave_from<T>(order, k, r, grid_.columns(k, r), out);  // particles above these are in flight
     });
   });
 }

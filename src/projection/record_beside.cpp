@@ -5,7 +5,8 @@
 
 namespace trevi {
 
-// By the faces, less their weight; without damping, which goes from water to water.
+// The displacement by the faces, less the part that bears the weight; without damping, which acts between water and
+// water.
 TotalImpulse RecordBeside::of_particles(const CellDisplacement& by, const Motion& motion, const CellParticles& cell,
                                         bool across) const {
   static thread_local std::vector<Vec4<double>> displaced;
@@ -20,9 +21,9 @@ TotalImpulse RecordBeside::of_particles(const CellDisplacement& by, const Motion
   return sum;
 }
 
-// The same of a full cell, that is, of water which fills what is open of it up to the surface, as it moves at the
-// middle of what is open; without what is pulled back. By the particles that happened to be there a light body was
-// thrown about. One of the water's density fell behind water that sloshed.
+// The same for a full cell, that is, for water that fills the open part of the cell up to the surface and moves as at
+// the centroid of the open part; without what is pulled back. With the particles that happened to be there, a light
+// body was thrown about, and one with the density of water lagged behind sloshing water.
 Vec3 RecordBeside::of_full(const CellDisplacement& by, LocalId k, LocalId r, LocalId c, bool across) const {
   const FreeSurface& surface = from_.surface;
   const ProjectionGrid& grid = surface.grid();
@@ -42,7 +43,7 @@ Vec3 RecordBeside::of_full(const CellDisplacement& by, LocalId k, LocalId r, Loc
   return surface.filled_height(here) * open * grid.size().prod() / (spacing_ * spacing_ * spacing_) * shift;
 }
 
-// Of its open part, m.
+// Centroid of the open part of the face, m.
 Vec3 RecordBeside::middle_of(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
   const auto [a, upper] = face;
   const ProjectionGrid& grid = from_.surface.grid();
@@ -57,8 +58,9 @@ Vec3 RecordBeside::middle_of(const CellFace& face, LocalId k, LocalId r, LocalId
   return place;
 }
 
-// By how much the pressure on the open part of a face is above what the cell has by itself, which adds up to nothing
-// with that on closed parts, but for the weight of its water: in the mean of the cells on both sides.
+// The excess of the pressure on the open part of a face over the cell's own pressure, whose contributions on open and
+// closed parts add up to zero, except for the weight of the water in the cell. The pressure at the face is the mean of
+// the cells on both sides.
 Real RecordBeside::beyond_own(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
   const auto [a, upper] = face;
   const FreeSurface& surface = from_.surface;
@@ -71,7 +73,7 @@ Real RecordBeside::beyond_own(const CellFace& face, LocalId k, LocalId r, LocalI
   return (beside - (upper ? g_dt2_ : -g_dt2_) * grid.size()[2]) / 2;
 }
 
-// Where the surface is in the cell, or below it, across alone.
+// Where the surface lies in the cell or below it, horizontally only.
 TotalImpulse RecordBeside::of_pressure(LocalId k, LocalId r, LocalId c, bool across) const {
   const ProjectionGrid& grid = from_.surface.grid();
   const std::size_t here = grid.index(k, r, c);
@@ -102,7 +104,7 @@ void RecordBeside::of_row(LocalId k, LocalId r, const CellOrder& order, const Mo
   }
 }
 
-// Whether water stands above the body that cuts the cell, more than a cell deep.
+// Whether water more than a cell deep stands above the body that cuts the cell.
 bool RecordBeside::is_under_water(LocalId k, LocalId r, LocalId c) const {
   const FreeSurface& surface = from_.surface;
   if (!surface.upright()) return true;
@@ -120,7 +122,7 @@ CellParticles RecordBeside::particles_of(LocalId k, LocalId r, LocalId c, const 
           static_cast<std::size_t>(order.start(k, row + c + 1) - ghosts), from_.surface.grid().place_of(k, r, c)};
 }
 
-// Whether a closed face displaces anything there.
+// Whether there is a closed face and the cell's particles are displaced.
 bool RecordBeside::gives(std::size_t here) const {
   return from_.surface.cuts()->closes_any(from_.surface.grid(), here) && from_.transfer.displaces(here);
 }
@@ -129,7 +131,7 @@ bool RecordBeside::is_at_surface(std::size_t here) const {
   return from_.surface.upright() && (!from_.surface.is_wet(here) || from_.surface.is_top(here));
 }
 
-// Cells without particles, too: the pressure on the solid in them moves nobody.
+// Includes cells without particles: the pressure on the solid in them moves no particles.
 TotalImpulse RecordBeside::of_obstacle(LocalId k, LocalId r, LocalId c, const CellOrder& order,
                                        const Motion& motion) const {
   const std::size_t here = from_.surface.grid().index(k, r, c);
@@ -143,8 +145,8 @@ TotalImpulse RecordBeside::of_obstacle(LocalId k, LocalId r, LocalId c, const Ce
   return given;
 }
 
-// Upwards only under water: a body that heaves at the surface would swing ever higher by it. A cell without particles
-// has no water, whatever its pressure.
+// Vertically only under water: a body that heaves at the surface would otherwise swing ever higher. A cell without
+// particles has no water, whatever its pressure.
 Vec3 RecordBeside::of_body(LocalId k, LocalId r, LocalId c, const CellOrder& order) const {
   const std::size_t here = from_.surface.grid().index(k, r, c);
   if (!gives(here)) return Vec3::Zero();

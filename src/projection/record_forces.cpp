@@ -24,8 +24,8 @@ void RecordForces::of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved, 
   obstacles_.record_rest(all);
 }
 
-// The pressure of a cell, and of the water over it, on the walls of the box that it touches, at the middles of both; in
-// sum, about the middle of the box.
+// The pressure of a cell, and of the water in the cell above it, on the walls of the box that they touch, acting at the
+// centres of both; in total, about the centre of the box.
 TotalImpulse RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
@@ -34,7 +34,7 @@ TotalImpulse RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
   const Real over_top = surface_.is_top(at) ? on_side(at + 1) : 0;
   std::array<Vec3, 2> shifts{Vec3::Zero(), Vec3::Zero()};
   for (std::size_t a = 0; a < 3; ++a) {
-    if (a == 1 && grid.is_layer()) continue;  // nothing presses along y
+    if (a == 1 && grid.is_layer()) continue;  // no pressure acts along y
     const Real size = grid.size()[static_cast<Eigen::Index>(a)], half = a == 2 ? g_dt2_ * size / 2 : 0;
     const std::array<LocalId, 3> above{k + (a == 0 ? 1 : 0), r + (a == 1 ? 1 : 0), c + (a == 2 ? 1 : 0)};
     const auto b = static_cast<Eigen::Index>(grid.axis(a));
@@ -55,15 +55,15 @@ TotalImpulse RecordForces::of_walls(LocalId k, LocalId r, LocalId c) const {
   return sum;
 }
 
-// How fast the pressure grows downwards, m: as in water at rest, and beside a solid that does not float as the pressure
-// of a top cell says, as water that falls has none.
+// The rate at which the pressure grows downwards, m: as in water at rest, but beside a solid that does not float as
+// given by the pressure of the top cell, because falling water has none.
 Real RecordForces::fall_at(std::size_t top) const {
   if (surface_.cuts()->floats(top)) return g_dt2_;
   return std::clamp(-pressure_.phi_so_far(top) / (surface_.grid().size()[2] * surface_.above_middle(top)), 0.0, g_dt2_);
 }
 
-// In a top cell the water stands up to its surface, and above that of the cell in the dry one over it. As far as the
-// pressure there is that of water at rest: water that falls has none.
+// In a top cell the water reaches up to its surface, and above that, water may reach into the dry cell over it. It
+// counts as far as the pressure there is that of water at rest, because falling water has none.
 Real RecordForces::on_side(std::size_t at) const {
   if (surface_.is_solid(at)) return 0;
   if (surface_.is_wet(at)) {
@@ -84,7 +84,7 @@ RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId 
   return pushes;
 }
 
-// The same of a single particle's mass a cell.
+// The same for a mass of a single particle per cell.
 RecordForces::Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
@@ -101,8 +101,8 @@ RecordForces::Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId 
   return {};
 }
 
-// Of the solid nearest to a cell that it cuts, and records it as that solid's. Returns the sum, about the middle of the
-// box.
+// The pressure on the solid nearest to a cell that it cuts, which is recorded for that solid. Returns the sum, about
+// the centre of the box.
 TotalImpulse RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const Pushes pushes = pushes_of_cell(k, r, c);
   const std::size_t nearest = surface_.cuts()->nearest(surface_.grid().index(k, r, c));
@@ -115,7 +115,7 @@ TotalImpulse RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   return sum;
 }
 
-// In the cell before the face, half a cell off it.
+// The pressure of the cell in front of the gauge, half a cell off its face.
 void RecordForces::of_gauges(const Box& box) const {
   const ProjectionGrid& grid = surface_.grid();
   PressureGauges& gauges = obstacles_.gauges();
@@ -129,8 +129,8 @@ void RecordForces::of_gauges(const Box& box) const {
   }
 }
 
-// Linear between the middles of the cells of water below and above that height, which is in cells from the floor; where
-// there is but one of them, hydrostatic from its middle.
+// Interpolated linearly between the centres of the wet cells below and above that height, which is in cells from the
+// floor. If only one of them is wet, the pressure is hydrostatic from its centre.
 Real RecordForces::phi_at(LocalId k, LocalId r, Real height) const {
   const ProjectionGrid& grid = surface_.grid();
   const Real from_middle = height - 0.5;

@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "projection/row_faces.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 #include "projection/row_vectors-inl.hpp"
@@ -13,8 +13,8 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// What the particles of the cells at one side of a row of faces say of them: their weight and weighted sum, and, where
-// that is little, their number and what their fit says, times the number.
+// Contributions of the particles of the cells on one side of a row of faces: their weight and weighted sum, and, for
+// faces where the weight is small, their number and the value of their fit times this number.
 struct Sides {
   std::vector<Real> weight, value, n, fitted;
   template <class Use>
@@ -23,11 +23,11 @@ struct Sides {
   }
 };
 
-// The place of Σ y_a y_b among the moments.
+// The index of Σ y_a y_b in the moments.
 constexpr std::size_t second(std::size_t a, std::size_t b) { return 4 + (a == b ? a : a + b + 2); }
 
-// Of the cells of a row, for faces from number `first` on. The weight of a particle falls from 1 at the face to 0 a
-// cell away.
+// For the cells of a row and the faces from number `first` on. The weight of a particle falls from 1 at the face to 0
+// one cell away.
 template <bool below>
 HWY_INLINE void find_sides(const FaceRow& faces, std::size_t first, std::size_t count, Sides& sides) {
   const RowBeside& row = below ? faces.below : faces.above;
@@ -56,7 +56,8 @@ HWY_INLINE void find_sides(const FaceRow& faces, std::size_t first, std::size_t 
   }
 }
 
-// Whether there are particles in any cell beside the next faces; along a row the cell below a face is the one before.
+// Whether there are particles in any cell beside the next faces. Along a row the cell below a face is the preceding
+// one.
 HWY_INLINE bool are_wet(const FaceRow& faces, const Part& part, std::size_t cells) {
   if (faces.repeats) return true;
   if (faces.along && part.begin > 0 && faces.below.moments.has((part.begin - 1) / max_lanes)) return true;

@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "projection/row_fits.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 #include "projection/row_vectors-inl.hpp"
@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// What a fit needs to know of places.
+// What a fit needs to know about the positions of its particles.
 struct SpreadVectors {
   V per_n;
   V3 mean;
@@ -22,16 +22,16 @@ struct SpreadVectors {
 
 using Symmetric = std::array<V, 6>;
 HWY_INLINE V dot(V a, V b, V c, V x, V y, V z) { return hn::MulAdd(a, x, hn::MulAdd(b, y, hn::Mul(c, z))); }
-// Of matrices that commute.
+// Product of two symmetric matrices that commute.
 HWY_INLINE Symmetric product(const Symmetric& a, const Symmetric& b) {
   return {dot(a[0], a[3], a[4], b[0], b[3], b[4]), dot(a[3], a[1], a[5], b[3], b[1], b[5]),
           dot(a[4], a[5], a[2], b[4], b[5], b[2]), dot(a[0], a[3], a[4], b[3], b[1], b[5]),
           dot(a[0], a[3], a[4], b[4], b[5], b[2]), dot(a[3], a[1], a[5], b[4], b[5], b[2])};
 }
 
-// The inverse P of a variance that has got the damping e, cells². What that leaves out of a fit is fitted, too, twice:
-// P + e P² + e² P³. Where there is a variance the damping is gone to (e P)³, and where there is none the inverse is
-// bounded by 3/e.
+// The inverse P of a variance to which the damping e, cells², has been added. What the damping leaves out of a fit is
+// fitted in turn, twice: P + e P² + e² P³. Where there is a variance, only (e P)³ of the damping's effect remains;
+// where there is none, the inverse is bounded by 3/e.
 HWY_INLINE Symmetric inverse_of(const Symmetric& v, V e) {
   const V xx = v[0], yy = v[1], zz = v[2], xy = v[3], xz = v[4], yz = v[5];
   const auto minor = [](V a, V b, V c, V d) { return hn::NegMulAdd(c, d, hn::Mul(a, b)); };
@@ -46,13 +46,13 @@ HWY_INLINE Symmetric inverse_of(const Symmetric& v, V e) {
   return sum;
 }
 
-// Where there is nothing numbers are finite.
+// Where there are no particles, the numbers are finite.
 HWY_INLINE SpreadVectors spread_of(const Numbers<>& places, V damping) {
   const V n = places[0], per_n = hn::Div(set(1), hn::IfThenElse(hn::Gt(n, set(0)), n, set(1)));
   V3 mean = zeros();
   for (std::size_t a = 0; a < 3; ++a) mean[a] = hn::Mul(places[1 + a], per_n);
   const auto variance = [&](std::size_t q, V a, V b) { return hn::NegMulAdd(a, b, hn::Mul(places[4 + q], per_n)); };
-  // Rounding may leave a variance of a single particle below what is added.
+  // Rounding may make the variance of a single particle, with the damping added, less than the damping itself.
   const auto own = [&](std::size_t a) { return hn::Max(hn::Add(variance(a, mean[a], mean[a]), damping), damping); };
   return {per_n, mean,
           inverse_of({own(0), own(1), own(2), variance(3, mean[0], mean[1]), variance(4, mean[0], mean[2]),
@@ -63,7 +63,7 @@ HWY_INLINE SpreadVectors spread_of(const Numbers<>& places, V damping) {
 struct FitVectors {
   V3 a;
   std::array<V3, 3> b;
-  V explained;  // of the mean square of the motion
+  V explained;  // part of the mean square of the motion that the fit explains
 };
 
 HWY_INLINE FitVectors fit_of(const SpreadVectors& s, const Numbers<>& flow) {
@@ -92,7 +92,8 @@ HWY_INLINE MotionVectors motion_of(const Numbers<>& places, const Numbers<>& flo
   return {spread, fit_of(spread, flow)};
 }
 
-// How fast a fit closes its cell, over its strain: 1 where all of that is compression, -1 where it is expansion.
+// The rate at which a fit compresses its cell, over its strain: 1 if all of the strain is compression, -1 if it is
+// expansion.
 HWY_INLINE V compression_of(const FitVectors& fit, const ByAxis& per_length) {
   const auto slope = [&](std::size_t i, std::size_t j) { return hn::Mul(fit.b[i][j], set(per_length[j])); };
   const V xx = slope(0, 0), yy = slope(1, 1), zz = slope(2, 2);
@@ -103,18 +104,19 @@ HWY_INLINE V compression_of(const FitVectors& fit, const ByAxis& per_length) {
   return hn::Div(hn::Sub(set(0), hn::Add(xx, hn::Add(yy, zz))), strain);
 }
 
-// How flat the places of a fit lie, by the inverse of the sum of the inverses of their variances along the principal
-// axes: 0 where that is projection::flat_variance or more, 1 where it is half of it or less. In a layer they all lie in
-// its plane.
+// How flat the particles of a fit lie, from the inverse of the sum of the inverses of the variances of their positions
+// along the principal axes: 0 where that is projection::flat_variance or more, 1 where it is half of that or less. In a
+// layer all of them lie in its plane.
 HWY_INLINE V flatness_of(const SpreadVectors& spread, bool is_layer) {
   const Symmetric& p = spread.inverse;
   const V in_plane = hn::Add(p[0], p[2]), trace = is_layer ? in_plane : hn::Add(in_plane, p[1]);
   return clamp(hn::MulSub(trace, set(projection::flat_variance), set(1)), 0, 1);
 }
 
-// Few particles that meet say little of how the faces of their cell close, at solids nor of how they open (see
-// projection::few_damping): from nothing where half of the strain is that, or less, to all where all of it is. Beside
-// no solid those in a plane, or on a line, say little across it (projection::flat_damping).
+// Few particles that meet say little about how the faces of their cell close, and at solids about how they open (see
+// projection::few_damping). The damping grows from nothing, where half of the strain or less is compression, to its
+// full value, where all of it is. Away from solids, particles in a plane or on a line say little about the motion
+// across it (projection::flat_damping).
 HWY_INLINE MotionVectors motion_around(const RowsAround& moments, const MotionFits& out, const Part& part,
                                        const Numbers<>& places, const Numbers<>& flow) {
   const Wide d;
@@ -142,7 +144,7 @@ HWY_INLINE void write(const FitVectors& fit, V factor, Real* map) {
   }
 }
 
-// 1 where a cell holds particles, else 0.
+// 1 where a cell holds particles, otherwise 0.
 HWY_INLINE V holds_any(const RowsAround& moments, const Part& part) {
   const V n = hn::Load(Wide(), part.of(moments.rows[1][1]));
   return hn::IfThenElse(hn::Gt(n, set(0)), set(1), set(0));
@@ -263,7 +265,7 @@ HWY_EXPORT(damp_noise_of);
 HWY_EXPORT(add_maps_of);
 HWY_EXPORT(average_maps_of);
 
-// 1 over the weight of a whole tent, along two axes in two dimensions.
+// 1 over the weight of a whole tent, which extends along two axes in two dimensions.
 template <int axes>
 constexpr Real per_tent_of = 1 / ((axes == 2 ? 1 : 1 + 2 * projection::tent) * (1 + 2 * projection::tent) *
                                   (1 + 2 * projection::tent));

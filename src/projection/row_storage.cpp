@@ -28,10 +28,10 @@ void RowStorage::lay_out(const Shape& shape, const CellOrder& order, std::span<c
   for_each_row(cells, [&](LocalId k, LocalId r) { place_row(k, r); });
 }
 
-// From how many fours each row needs.
+// From the number of groups of four that each row needs.
 void RowStorage::find_begins() {
   std::uint32_t next = nowhere_ + 1;
-  std::vector<std::uint32_t> shared(static_cast<std::size_t>(shape_.window), 0);  // what a plane of them takes at most
+  std::vector<std::uint32_t> shared(static_cast<std::size_t>(shape_.window), 0);  // largest need of a plane
   const auto rows_of = [&](LocalId k) {
     return std::span(begin_).subspan(row_index(k, -1), static_cast<std::size_t>(shape_.cells.rows) + 2);
   };
@@ -88,7 +88,7 @@ void RowStorage::place_whole_rows(LocalId k) {
   }
 }
 
-// In planes that are exchanged in all of their columns, which is what both ranks know.
+// In exchanged planes all columns are considered, because that is what both ranks know.
 void RowStorage::find_held(const CellOrder& order, LocalId k, LocalId r, LocalId columns) {
   char* const held = &held_[row_index(k, r) * whole_];
   std::fill_n(held, whole_, 0);
@@ -104,7 +104,7 @@ void RowStorage::find_held(const CellOrder& order, LocalId k, LocalId r, LocalId
   }
 }
 
-// Whether a cell of the four holds particles, or with `beside` one that is next to it in its plane.
+// Whether a cell of the group holds particles, or with `beside` a cell next to the group in its plane.
 bool RowStorage::is_held(LocalId k, LocalId r, std::size_t f, bool beside) const {
   if (!beside) return held_[row_index(k, r) * whole_ + f] != 0;
   const LocalId rows = shape_.cells.rows, beyond = shape_.repeats[1] && !are_cut() ? 1 : 0;

@@ -1,4 +1,4 @@
-// Vectors of cells of a row, and tents over them. Included once per instruction set.
+// Vectors of cells of a row, and sums over tents. Included once per instruction set.
 #if defined(TREVI_PROJECTION_ROW_VECTORS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_PROJECTION_ROW_VECTORS_INL
 #undef TREVI_PROJECTION_ROW_VECTORS_INL
@@ -40,7 +40,7 @@ struct Part {
   HWY_INLINE bool is_in(const RowToRead& row) const { return row.has(begin / max_lanes); }
 };
 HWY_INLINE V load(const Real* row, const Part& part) { return hn::LoadU(Wide(), row + part.begin); }
-/// Writes nothing beyond the end, because that may belong to another thread.
+/// Writes nothing beyond the end, because that memory may belong to another thread.
 HWY_INLINE void store(V v, const Part& part, Real* row) {
   const Wide d;
   Real* const to = row + part.begin;
@@ -50,7 +50,7 @@ HWY_INLINE void store(V v, const Part& part, Real* row) {
   std::copy_n(last, part.end - part.begin, to);
 }
 
-/// Numbers of cells at a distance of `stride` from each other.
+/// Numbers of cells, `stride` apart from each other in memory.
 template <std::size_t stride = max_lanes>
 struct Numbers {
   const Real* first;
@@ -59,8 +59,8 @@ struct Numbers {
 HWY_INLINE void write(V v, Real* numbers, std::size_t q) { hn::Store(v, Wide(), numbers + q * max_lanes); }
 
 // Adjacent cells along coordinate axis b, and the sums over them. The cells below and above have the weight w, and
-// their coordinates are relative to their own corners, one cell lower and one higher. Each sum is therefore own + w
-// (low + high + a correction from other numbers for the shift of the coordinates).
+// their coordinates are relative to their own corners, one cell lower and one cell higher. Each sum is therefore own +
+// w (low + high + a correction from other numbers for the shift of the coordinates).
 template <std::size_t from, std::size_t to>
 struct Beside {
   Numbers<from> low, own, high;
@@ -128,7 +128,7 @@ HWY_INLINE void add_beside(std::size_t axis, const Cells& cells) {
 using SixCells = TentMemory::SixCells;
 constexpr std::size_t in_six = sizeof(SixCells) / sizeof(Real);
 
-/// The cells of a row, from the start of the first group of four on.
+/// The cells of a row, beginning at the start of its first group of four.
 HWY_INLINE Part cells_of(const RowsAround& rows) { return {rows.begin / max_lanes * max_lanes, rows.end}; }
 /// The same with one more cell at either end, up to the end of the last group of four.
 HWY_INLINE Part cells_around(const RowsAround& rows) {
@@ -136,8 +136,8 @@ HWY_INLINE Part cells_around(const RowsAround& rows) {
   return {begin / max_lanes * max_lanes, (end + max_lanes - 1) / max_lanes * max_lanes};
 }
 
-// Whether the sums of a group of four cells are needed: if its row holds something in this group, or in a group beside
-// it while one of the surrounding rows holds something in this group.
+// Whether the sums of a group of four cells are needed: its row holds something in this group, or its row holds
+// something in a neighbouring group and one of the surrounding rows holds something in this group.
 HWY_INLINE bool is_asked(const RowsAround& rows, std::size_t f) {
   const std::size_t last = (rows.columns - 1) / max_lanes;
   const auto is_own = [&](std::size_t of) { return rows.rows[1][1].has(of); };
@@ -152,7 +152,7 @@ HWY_INLINE bool is_asked(const RowsAround& rows, std::size_t f) {
   return false;
 }
 
-// The sums across the planes, for a group of four cells of row i of the surrounding rows.
+// The sums across planes for a group of four cells of row i of the surrounding rows.
 template <class Sums>
 HWY_INLINE void sum_planes(const RowsAround& rows, std::size_t i, std::size_t f, FourCells* out) {
   const std::array<RowToRead, 3>& planes = rows.rows[i];
@@ -201,7 +201,7 @@ HWY_INLINE const SixCells* sum_across(const RowsAround& rows) {
       continue;
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      if ((rows.is_layer && i != 1) || across[i]->is_known[f] != 0) continue;  // all is 0 beside a layer
+      if ((rows.is_layer && i != 1) || across[i]->is_known[f] != 0) continue;  // beside a layer everything is 0
       sum_planes<Sums>(rows, i, f, across[i]->values.data());
       across[i]->is_known[f] = 1;
     }

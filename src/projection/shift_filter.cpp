@@ -20,7 +20,7 @@ void ShiftFilter::borrow() {
   const ProjectionGrid& grid = surface_.grid();
   window_ = grid.storage_rolling().shape().window;
   fit_.borrow_briefly(grid.scratch(), grid.storage_rolling());
-  const auto planes = static_cast<std::size_t>(window_) + 2;  // with the first and the last one
+  const auto planes = static_cast<std::size_t>(window_) + 2;  // including the first and the last one
   kept_ = grid.scratch().borrow_briefly<Real>(planes * grid.step(0) + FourCells::count);
   kept_.fill(0);
   sums_.borrow_briefly(grid.scratch(), grid.storage_rolling());

@@ -31,7 +31,7 @@ ActiveAbsorption::ActiveAbsorption(const Settings& settings, std::vector<Real> s
     const Eigen::Index axis = maker.direction.x() != 0 ? 0 : 1;
     const Real omega = 2 * std::numbers::pi / maker.period, low = settings.domain.min[axis];
     const Real k = wave_number(omega, maker.depth, maker.gravity), reach = paddle_reach(maker);
-    constexpr Real quarter = std::numbers::pi / 2;  // no wave of less than two strips is resolved
+    constexpr Real quarter = std::numbers::pi / 2;  // no wave shorter than two strips is resolved
     const Real way = std::min(k * strip_ / 2, quarter), lag = way / omega;
     const Real seen = sine_cosine_of_turns(way / (2 * std::numbers::pi)).sine / way;
     const Real room = std::min(maker.position - low, settings.domain.max[axis] - maker.position) - reach;
@@ -49,9 +49,9 @@ void ActiveAbsorption::place(Obstacles& obstacles) const {
     obstacles.set_paddle_offset(paddles_[n].obstacle, state_[n], state_[n]);
 }
 
-// m above the still water, in the mean over the strip, which follows the face at each height. Particles are cubes that
-// lie before the face, as for gauges of height: what is cut off of those near to it would be missing at all depths, and
-// the paddle would go after it.
+// The mean level over the strip, in m above the still water. The strip follows the face at each height. Particles count
+// as cubes that lie in front of the face, as for wave gauges: if parts of the cubes near it were cut off, they would be
+// missing at all depths, and the paddle would follow this deficit.
 Real ActiveAbsorption::level_before(MPI_Comm comm, const Paddle& paddle, Real way, const Particles& particles) {
   constexpr Real unit = 0x1p-30;  // of a particle
   constexpr LocalId part_size = 8192;
@@ -78,7 +78,7 @@ void ActiveAbsorption::move(MPI_Comm comm, const Particles& particles, const Ste
     const Real own = paddle.motion.displacement(info.time), before = state_[n];
     Real& smooth = state_[paddles_.size() + 2 * n];
     Real& mean = state_[paddles_.size() + 2 * n + 1];
-    // Of a time constant, what a substep leaves.
+    // The fraction that remains after a substep, for a given time constant.
     const auto kept = [&](Real seconds) { return elementary::exp(-info.dt / seconds); };
     const Real level = level_before(comm, paddle, own + before, particles);
     const Real waves = paddle.seen * paddle.motion.level(std::max(0.0, info.time - paddle.lag));

@@ -31,9 +31,9 @@ std::string why_no_mass(const BodySettings& body) {
   return "";
 }
 
-// Of what its energy would be, rounding would leave nothing of the water's.
+// With the energy of such a body, rounding would leave nothing of that of the water.
 std::string why_too_heavy(const Settings& settings, const BodySettings& body) {
-  constexpr Real most = 1e6;  // of the mass of its water
+  constexpr Real most = 1e6;  // of the mass of the water that it displaces
   const Real volume = mass_properties(body).volume, water = settings.fluid.rest_density * volume;
   const Real mass = body.mass ? *body.mass : *body.density * volume;
   if (mass <= most * water) return "";
@@ -42,7 +42,8 @@ std::string why_too_heavy(const Settings& settings, const BodySettings& body) {
       water, body.mass ? "mass" : "density");
 }
 
-// Water that bounces off a lighter one throws it by more than its own speed, in steps that see it only once.
+// Water that bounces off a body lighter than this throws it at more than its own speed, in steps that see the impact
+// only once.
 std::string why_too_light(const Settings& settings, const BodySettings& body) {
   const Real mass = body.mass ? *body.mass : *body.density * mass_properties(body).volume;
   const Real particle = settings.fluid.rest_density * std::pow(settings.fluid.spacing, 3);
@@ -72,8 +73,8 @@ std::string why_no_start(const Settings& settings, const BodySettings& body) {
   return "";
 }
 
-// In the water a spring is followed by steps of the force at their start, in the air by half steps of that at both
-// ends: both are stable up to twice the inverse of its frequency.
+// In the water a spring is integrated in steps with the force at their start, in the air in half steps with the forces
+// at both ends: both are stable up to twice the inverse of its frequency.
 std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
   if (!body.mooring) return "";
   const Mooring& mooring = *body.mooring;
@@ -89,7 +90,7 @@ std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
         "has a mooring too stiff for the {:.3g} kg that its end moves with, and steps of {:.3g} s; lower stiffness to "
         "{:.3g} N/m, damping to {:.3g} N s/m, or dt, or fix it nearer to the centre of mass",
         mass, settings.dt, max_stiffness, max_damping);
-  constexpr Real fastest = 1e4;  // m/s, as of all that moves in a scene
+  constexpr Real fastest = 1e4;  // m/s, as for everything that moves in a scene
   const Real distance = (mooring.point.value_or(start.state().position) - mooring.anchor).norm();
   const Real longer = distance - mooring.length.value_or(distance);
   const Real pull = mooring.stiffness * (mooring.slack ? std::max(longer, 0.0) : std::abs(longer));
@@ -101,7 +102,7 @@ std::string why_no_mooring(const Settings& settings, const BodySettings& body) {
   return "";
 }
 
-// Of the points those that are further than `depth` in a solid, the first of them; as the world sees it.
+// The first of the points that are more than `depth` inside a solid, in world coordinates.
 std::optional<Vec3> first_within(const std::vector<Vec3>& points, const Pose& pose, const Shape& solid, const Pose& at,
                                  Real depth) {
   for (const Vec3& point : points) {
@@ -111,14 +112,15 @@ std::optional<Vec3> first_within(const std::vector<Vec3>& points, const Pose& po
   return std::nullopt;
 }
 
-// The corners of a solid, and a place in it, as of a twin all others are on the surface.
+// The corners of a solid, and a point inside it, because all corners of an identical solid in the same place are on its
+// surface.
 std::vector<Vec3> corners_of(const Shape& shape, Real finest) {
   std::vector<Vec3> points = shape.surface(finest).points;
   if (shape.distance(Vec3::Zero()) < 0) points.push_back(Vec3::Zero());
   return points;
 }
 
-// Faces and edges of a body may cross another solid though no corner of either is in the other.
+// Faces and edges of a body may cross another solid although no corner of either is inside the other.
 std::vector<Vec3> all_over(const Shape& shape, Real spacing) {
   constexpr Real parts = 100;  // of a large body
   const Real size = (shape.bounds().max - shape.bounds().min).maxCoeff();

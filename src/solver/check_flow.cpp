@@ -57,7 +57,7 @@ void check_fountain(const Settings& all, const FountainSettings& one, const std:
   demand(is_positive(one.diameter) && is_positive(one.height), name + "diameter and height must be positive");
 }
 
-// The inlet sees no water beyond the ends of a periodic axis, and makes none there.
+// The inlet does not see water beyond the ends of a periodic axis, and makes none there.
 void check_room(const Settings& all, const InletSettings& inlet, const std::string& name) {
   const Vec3 reach = InletLattice(inlet, all.fluid.spacing).reach();
   demand(all.domain.contains(inlet.center - reach) && all.domain.contains(inlet.center + reach),
@@ -97,7 +97,7 @@ void check_drain(const Settings& all, const DrainSettings& one, const std::strin
          name + "radius and height must be positive");
 }
 
-// A length of 1 to rounding is left as it is, so that a scene keeps its bits.
+// A vector whose length is 1 up to rounding is not changed, so that a scene keeps its bits.
 void normalise(Vec3& direction) {
   constexpr Real rounding = 1e-12;
   if (std::abs(direction.squaredNorm() - 1) > rounding) direction.stableNormalize();

@@ -214,7 +214,7 @@ void check_gauges(const Settings& all) {
   }
 }
 
-// Ids of all ranks meet on the rank that their hash says, where two that are the same come to lie side by side.
+// Ids of all ranks are sent to the rank given by their hash, where two equal ones become adjacent.
 GlobalId first_double(MPI_Comm comm, const std::vector<GlobalId>& ids) {
   const int size = size_of(comm);
   const auto owner = [size](GlobalId id) { return static_cast<std::size_t>(id % size); };
@@ -268,7 +268,7 @@ bool is_same_solid(const ObstacleSettings& one, const ObstacleSettings& other) {
   return same_mesh && same == one;
 }
 
-// Lengths first: sums over the lattice would hardly end with an absurd radius.
+// Lengths are checked first: with an absurd radius, sums over the lattice would hardly ever end.
 Settings checked_and_resolved(const Settings& settings) {
   const FluidSettings& fluid = settings.fluid;
   demand(is_positive(fluid.spacing) && is_positive(fluid.rest_density),

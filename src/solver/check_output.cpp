@@ -1,4 +1,4 @@
-// What settings of the output must keep (check_flow.hpp).
+// Checks of the settings of the output (check_flow.hpp).
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -23,9 +23,9 @@ struct CompressionSums {
   }
 };
 
-// Direction for a pair of ids, evenly distributed over the sphere, or over the circle in the plane of x and z: the
-// first of a sequence of hashed points in a cube that lies in the inscribed ball. The same bits on any machine, which
-// sine and cosine would not give.
+// A direction for a pair of ids, uniformly distributed over the sphere, or over the circle in the plane of x and z: the
+// first of a sequence of hashed points in a cube that lies in the inscribed ball. It has the same bits on any machine,
+// unlike a result of sine and cosine.
 Vec3 direction_of(GlobalId a, GlobalId b, int dimensions) {
   constexpr std::uint64_t next = 0x9E3779B97F4A7C15ull;
   constexpr Real half = 1U << 20U;
@@ -118,12 +118,12 @@ template <class T>
 void DensityProblem<T>::count_pass(const Event& event, Range part, double flops_per_pair) {
   const auto pairs = static_cast<double>(near_.list().pairs(part));
   pair_passes_ += pairs;
-  // Beside the list a particle has a record, and a sum of four numbers that is written.
+  // In addition to the list, each particle has a record that is read, and a sum of four numbers that is written.
   constexpr double each = sizeof(Packed<T>) + 4 * sizeof(T);
   log_work(event, pairs * flops_per_pair, near_.list().bytes_read(part) + each * part.size());
 }
 
-// The artificial pressure pushes without multipliers, too.
+// The artificial pressure also pushes particles without multipliers.
 template <class T>
 void DensityProblem<T>::find_swept_rows() {
   if (constraint_.is_tensile()) {
@@ -160,7 +160,7 @@ void DensityProblem<T>::compute_delta() {
   find_delta(near_.all());
 }
 
-// Particles of the boundary may move once those in the cells beside it have their deltas, too.
+// Particles of the boundary may be moved once those in the cells next to them have their deltas, too.
 template <class T>
 void DensityProblem<T>::compute_delta_and_move(bool separate) {
   constexpr LocalId beside = 2;
@@ -191,7 +191,7 @@ void DensityProblem<T>::compute_delta_and_move(bool separate) {
   finish_moves();
 }
 
-// What is in a solid is taken out of it, whether it is swept or not.
+// A particle inside a solid is moved out of it, whether its row is swept or not.
 template <class T>
 std::vector<Range> DensityProblem<T>::rows_to_move() const {
   return boundary_.obstacles() != nullptr ? std::vector<Range>{near_.all()} : swept_.moved();
@@ -233,8 +233,8 @@ void DensityProblem<T>::move_in(const OpenSpace& open, Range few, Real relaxatio
   }
 }
 
-// What a shift that a solid changes has of angular momentum is told about where it began, and the velocity that comes
-// of it begins with the substep.
+// The angular momentum of a shift that is changed by a solid is recorded about the position where the shift began,
+// whereas the resulting velocity begins with the substep.
 template <class T>
 void DensityProblem<T>::note_collision(std::size_t i, const Vec3& began, const Vec3& change) const {
   Obstacles* const obstacles = boundary_.obstacles();
@@ -320,12 +320,13 @@ void DensityProblem<T>::filter_shifts(Projection& projection) {
   if (boundary_.obstacles() != nullptr) boundary_.obstacles()->record_impulses(true);
 }
 
-// The two shifts are opposite, so that momentum is kept. Coincident particles are in the same cell, up to rounding, so
-// only pairs within a cell are tested. Later iterations push them further apart, as soon as the pair has a direction.
+// The two shifts are opposite, so that momentum is conserved. Coincident particles are in the same cell, up to
+// rounding, so only pairs within a cell are tested. Later iterations push them further apart once the pair has a
+// direction.
 template <class T>
 void DensityProblem<T>::separate_coincident(const CellWindow& window, bool inside) {
   if (near_.list().first_overfull_particle() >= 0)
-    return;  // the test of all pairs in a first_overfull_particle cell would take too long
+    return;  // the test of all pairs in an overfull cell would take too long
   const std::vector<Vec3>& p = particles_->predicted;
   const Real h = constraint_.model().h, shift = 0.01 * h, coincident = 1e-6 * h * (1e-6 * h);
   const int dimensions = constraint_.model().kernels.density.dimensions;

@@ -12,8 +12,8 @@ namespace trevi {
 namespace {
 
 // Limits each shift by a limit on the multipliers, such that no pair is pushed apart by more than max_shift even where
-// the kernel gradient is largest. Shortening the shift of a particle on its own would leave its neighbours' opposite
-// shifts as they are, and momentum would be lost wherever water meets at speed.
+// the kernel gradient is largest. If the shift of a single particle were shortened instead, the opposite shifts of its
+// neighbours would stay as they are, and momentum would be lost wherever water meets at speed.
 Real largest_multiplier(const DensitySettings& settings, const DensityModel& model) {
   if (settings.max_shift == 0) return std::numeric_limits<Real>::infinity();
   return settings.max_shift * model.h /
@@ -72,7 +72,7 @@ class Chebyshev : public DensitySolver<T> {
   }
 
  private:
-  // What takes the place of a multiplier, from the last such step.
+  // The step that replaces a multiplier, computed from the multiplier and the previous step.
   struct Step {
     T weight, memory, least;
     T operator()(T lambda, T last) const {
@@ -95,7 +95,8 @@ Projection make_projection(const DensitySolverContext& context) {
           context.obstacles, context.scratch};
 }
 
-// The projection as the first iteration, then another solver for the error that it leaves; all of it becomes velocity.
+// The projection as the first iteration, then another solver for the remaining error; all of the motion becomes
+// velocity.
 template <class T>
 class ProjectionFirst : public DensitySolver<T> {
  public:
@@ -182,7 +183,7 @@ std::unique_ptr<DensitySolver<T>> make_density_solver(const DensitySettings& set
                                                       const DensitySolverContext& context) {
   if (!has_projection(settings, context.gravity)) return make_fine<T>(settings, context);
   DensitySettings rest = settings;
-  rest.iterations = std::max(1, rest.iterations - 1);  // without an iteration after it the projection leaves noise
+  rest.iterations = std::max(1, rest.iterations - 1);  // without an iteration after it, the projection leaves noise
   std::unique_ptr<DensitySolver<T>> fine = make_fine<T>(rest, context);
   if (!shifts_positions_only(settings, context.gravity))
     return std::make_unique<ProjectionFirst<T>>(context, std::move(fine));

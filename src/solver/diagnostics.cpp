@@ -15,21 +15,22 @@ namespace trevi {
 
 namespace {
 
-// Numbers of a particle that are added, and their place among the sums.
+// The numbers of a particle that are summed, and their index among the sums.
 struct Number {
   static constexpr std::size_t density = 0, interior_density = 1, compression = 2, compression2 = 3, speed2 = 4;
-  static constexpr std::size_t velocity = 5, place = 8, count = 11;  // of vectors there are three
+  static constexpr std::size_t velocity = 5, place = 8, count = 11;  // vectors have three each
 };
 using Numbers = std::array<Real, Number::count>;
 
-// A number is added as an integer, a multiple of a unit with which the largest has so many bits: beyond rounding.
+// A number is added as an integer multiple of a unit, which is such that the largest number has this many bits: beyond
+// rounding.
 constexpr int bits_of_largest = 50;
-// Of so many particles an integer of 64 bits holds the sum.
+// For this many particles, the sum fits into an integer of 64 bits.
 constexpr LocalId particles_of_part = 2048;
-// Sums of parts are added in two integers, what is above so many bits and what is below.
+// The sums of parts are added in two integers: the bits above this number and those below it.
 constexpr int low_bits = 32;
 
-// The power of two for a number that is at most `largest`; it is not so small that numbers in units are infinite.
+// A power of two as the unit for numbers up to `largest`. It is not so small that numbers in this unit become infinite.
 Real unit_of(Real largest) {
   return std::ldexp(1, std::max(std::ilogb(std::max(largest, 1e-200)) + 1 - bits_of_largest, -900));
 }
@@ -57,13 +58,13 @@ struct DiagnosticsSum::Units {
   }
 };
 
-// How many particles there are, in the interior, too, and of each number the sum in units.
+// The number of particles, the number of those in the interior, and the sum of each number in units.
 struct DiagnosticsSum::Part {
   GlobalId count = 0, interior_count = 0;
   std::array<GlobalId, Number::count> sums{};
 };
 
-// The same of all particles.
+// The same for all particles.
 struct DiagnosticsSum::Total {
   Real count = 0, interior_count = 0;
   Numbers sums{};
@@ -88,7 +89,7 @@ bool DiagnosticsSum::interior(const Vec3& p, LocalId neighbours) const {
 DiagnosticsSum::Part DiagnosticsSum::part_of(const DiagnosticsInput& input, Range range, const Units& units) const {
   Part part{range.size()};
   const auto per_unit = units.per_unit();
-  // Rounded in one instruction.
+  // Rounded by a single instruction.
   const auto add = [&](std::size_t to, Real number) { part.sums[to] += std::llrint(number * per_unit[to]); };
   for (LocalId i = range.begin; i < range.end; ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -164,7 +165,7 @@ Diagnostics DiagnosticsSum::operator()(const DiagnosticsInput& input) const {
   row.particles = static_cast<GlobalId>(total.count);
   row.density_mean = total.sums[Number::density] / total.count;
   row.density_interior =
-      total.sums[Number::interior_density] / total.interior_count;  // 0/0, nan, where there is no interior
+      total.sums[Number::interior_density] / total.interior_count;  // 0/0 = nan where there is no interior
   row.compression_mean = total.sums[Number::compression] / total.count;
   row.compression_rms = std::sqrt(total.sums[Number::compression2] / total.count);
   row.kinetic_energy = water_mass_ / 2 * total.sums[Number::speed2];
@@ -180,7 +181,7 @@ Real nth_smallest(MPI_Comm comm, std::span<const Vec3> positions, int axis, Glob
   constexpr int digit = 12, rounds = 3;  // 4096 intervals in each round
   constexpr GlobalId bins = GlobalId{1} << digit, cells = GlobalId{1} << (digit * rounds);
   if (n == 0) return std::numeric_limits<Real>::quiet_NaN();
-  // Coordinates as integers, so that each round counts a particle in the same interval as the round before.
+  // Coordinates as integers, so that each round assigns a particle to the same interval as the previous round.
   const Real per_metre = static_cast<Real>(cells) / (box.max[axis] - box.min[axis]);
   const auto cell = [&](const Vec3& p) {
     return std::clamp<GlobalId>(static_cast<GlobalId>((p[axis] - box.min[axis]) * per_metre), 0, cells - 1);

@@ -30,7 +30,7 @@ void check_unknowns(const Settings& settings, const std::vector<Real>& weights) 
 
 namespace {
 
-// As the settings say.
+// As specified by the settings.
 std::array<int, 2> slabs_and_parts(const Settings& settings, const CellGrid& grid, const std::vector<Real>& planes,
                                    int ranks) {
   if (!settings.ranks_by_model) return settings.ranks.value_or(std::array<int, 2>{ranks, 1});
@@ -89,8 +89,8 @@ void check_parts(const CellGrid& grid, int parts) {
                   grid.rows(), parts, grid.rows()));
 }
 
-// The sums of all ranks' weights of the rows of a slab, on its first rank; nothing on others. Whole numbers, so that no
-// order is seen.
+// On the first rank of each slab, the sums over all ranks of the weights of its rows; empty on other ranks. The weights
+// are whole numbers, so the order does not matter.
 std::vector<Real> sum_at_slabs(MPI_Comm comm, const RowWeights& given, int parts, LocalId rows) {
   std::vector<int> sent(static_cast<std::size_t>(size_of(comm)), 0);
   std::vector<MPI_Request> requests;

@@ -11,12 +11,12 @@ namespace trevi {
 
 namespace {
 
-// How far from a wall its contribution to the density reaches, in units of h; this is the largest value, at h = 1.2
-// spacings.
+// The distance from a wall up to which its contribution to the density extends, in units of h; this is the largest
+// value, at h = 1.2 spacings.
 constexpr Real wall_reach = 1.25;
 
 constexpr Real spread_unit = 16 * 16;  // h², of Σ p pᵀ
-constexpr Real min_spread = 1e-6;      // h² a particle; below it is rounding
+constexpr Real min_spread = 1e-6;      // h² per particle; less is rounding
 
 }  // namespace
 
@@ -41,7 +41,7 @@ FreeMomentum<T>::FreeMomentum(const DensitySolverContext& context, std::unique_p
   }
 }
 
-// A solid may push along any axis. Where solids do not count to the density nobody knows whether one is near.
+// A solid may push along any axis. Where solids do not contribute to the density, it is not known whether one is near.
 template <class T>
 WaterPieces::Axes FreeMomentum<T>::touched(const Vec3& p) const {
   unsigned axes = still_;
@@ -84,7 +84,8 @@ bool FreeMomentum<T>::is_free(std::size_t piece) const {
   return pieces_.touched(piece) == still_;
 }
 
-// Sums of a run of cells, which no rank and no thread shares, then those of runs in an order that is not seen.
+// Sums over a run of cells, which belongs to one rank and one thread, are added in integers, whose order does not
+// matter.
 template <class T>
 template <bool all, class Place, class Velocity>
 typename FreeMomentum<T>::Words FreeMomentum<T>::sums_of(const DensityProblem<T>& problem, const Place& place,
@@ -163,7 +164,7 @@ typename FreeMomentum<T>::Undoing FreeMomentum<T>::undoing(const Sums& before, c
   return undoing;
 }
 
-// Of the pieces that lie on several ranks, which come first.
+// Adds the sums of other ranks for the pieces that lie on several ranks, which come first.
 template <class T>
 void FreeMomentum<T>::add_other_ranks(Words& before, Words& after) const {
   const auto shared = static_cast<std::ptrdiff_t>(words * pieces_.shared());
@@ -175,7 +176,8 @@ void FreeMomentum<T>::add_other_ranks(Words& before, Words& after) const {
   std::copy_n(both.begin() + shared, shared, after.begin());
 }
 
-// What the pressure gave to the water beside surfaces is the rest of the forces on solids, and none of theirs.
+// What the pressure gave to the water beside surfaces belongs to the remainder of the forces on solids, not to any
+// solid.
 template <class T>
 void FreeMomentum<T>::undo(DensityProblem<T>& problem, const std::vector<Undoing>& all) const {
   Particles& particles = problem.particles();
@@ -202,7 +204,7 @@ void FreeMomentum<T>::undo(DensityProblem<T>& problem, const std::vector<Undoing
   });
 }
 
-// What touches nothing. Water aboard a body does not, either, but rests on it.
+// Lets the pieces fly that touch nothing. Water aboard a body does not touch anything either, but it rests on the body.
 template <class T>
 void FreeMomentum<T>::let_fly(DensityProblem<T>& problem) const {
   if (obstacles_ != nullptr && obstacles_->floating() != nullptr) return;
@@ -228,7 +230,7 @@ SolveResult FreeMomentum<T>::solve(DensityProblem<T>& problem) {
       problem, [&](std::size_t i) { return particles.predicted[i]; },
       [&](std::size_t i) { return particles.velocity[i]; });
   add_other_ranks(before, after);
-  // A body that moves freely has what the transfer leaves over, once it is touched.
+  // A freely moving body receives the remainder of the transfer once it is touched.
   const bool is_body_touched = obstacles_ != nullptr && obstacles_->is_body_touched(comm_);
   std::vector<Undoing> all;
   for (std::size_t piece = 0; piece < pieces_.count(); ++piece) {

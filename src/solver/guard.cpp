@@ -60,8 +60,9 @@ void Guard::note_particle(const Particles& particles, std::size_t i, std::int64_
                          unstable));
 }
 
-// In whole units, so that no order of the particles is seen: sums of a part's are exact in doubles, too. What lies on
-// one another counts as a hundredfold at most; the sum with 1.5 · 2^52 rounds as llrint does, in vectors.
+// Summed in integer units, so the order of the particles does not matter: the sums over a part are exact in doubles,
+// too. The compression of particles on top of one another counts as a hundredfold at most. Adding 1.5 · 2^52 rounds
+// like llrint, and vectorises.
 void Guard::note_compression(std::span<const Real> density, Real rest_density) {
   constexpr Real largest = 100, units = 1 << 20;
   constexpr LocalId part_size = 8192;

@@ -9,10 +9,10 @@ namespace trevi {
 namespace {
 
 constexpr Real number_bytes = 8;
-constexpr int v_cycles = 3, cycle_sweeps = 4;  // of the multigrid, and in a cycle on a level
-constexpr Real gathered_cells = 4096;          // at most, of levels that all ranks have
+constexpr int v_cycles = 3, cycle_sweeps = 4;  // of the multigrid, and in a cycle on each level
+constexpr Real gathered_cells = 4096;          // largest number of cells of levels that all ranks hold
 
-// Rows of planes that are sent, or messages: to slabs beside, within slabs, across corners.
+// Numbers of rows of planes that are sent, or of messages: to neighbouring slabs, within slabs, across corners.
 struct Zones {
   Real beside, within, across;
   Real all() const { return beside + within + across; }
@@ -31,7 +31,7 @@ class Sum {
   Traffic traffic() const { return traffic_; }
 
   void add_records() {
-    const Real again = water_.projected ? 1 : 0;  // places of the filtered shifts, scalars of the water in flight
+    const Real again = water_.projected ? 1 : 0;  // positions after the filtered shifts, scalars of the water in flight
     const Real laplacians = water_.gradients ? 2 : 0, curls = water_.swirling ? 1 : 0;
     const Real velocities = water_.gradients ? laplacians : water_.viscous ? 1 : 0;
     const Real gradients = 3 * laplacians, weights = laplacians;  // the last of the three with the weight
@@ -42,19 +42,19 @@ class Sum {
         messages_.all() * (1 + places + scalars));
   }
 
-  // Beside the multigrid: the heights of the water, volumes and moments of cells, fits, moments of shifts, their fits;
-  // and the fill of cells.
+  // In addition to the multigrid: heights of the water, volumes and moments of cells, fits, moments of shifts and their
+  // fits; and the fill of cells.
   void add_projection() {
     constexpr Real volumes = 3, moments = 23, fit = 13, flow = 12;
     const Real noise = water_.upright ? flow + fit : 0, ring = columns_ + 2;
     const Zones rows = zones(block_.planes, ringed(block_.rows));
-    // Of planes that are whole the cells of the water and above it; where rows are cut, all cells.
+    // For whole planes, the cells of the water and those above it; where rows are cut, all cells.
     const Real held = block_.rows_are_cut ? columns_ : std::min(water_.wet_columns + 1, water_.columns);
     add(rows.all() * 4 + zones(block_.planes, block_.rows).all() * 4 * std::ceil(held / 4) * number_bytes *
                              (volumes + 2 * (moments + fit) + noise),
         messages_.all() * (water_.upright ? 7 : 5));
     add(rows.beside * number_bytes * ring, messages_.beside);
-    // Volumes that rows give one another, wetness, heights of the surface, masses, links, the last pressure.
+    // Volumes that rows contribute to each other, wet cells, heights of the surface, masses, links, the final pressure.
     add(rows.of_rows() * (9 * number_bytes * columns_ + ring + 4 * number_bytes * ring), messages_.of_rows() * 6);
   }
 

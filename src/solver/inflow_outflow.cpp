@@ -12,7 +12,7 @@ namespace trevi {
 
 namespace {
 
-// A forcing lives in its solver's list, an inlet in the InflowOutflow, too.
+// A forcing belongs to the list of its solver; an inlet belongs to the InflowOutflow as well.
 class Nozzle : public Forcing {
  public:
   explicit Nozzle(std::shared_ptr<Inlet> inlet) : inlet_(std::move(inlet)) {}
@@ -28,7 +28,7 @@ class Nozzle : public Forcing {
   std::shared_ptr<Inlet> inlet_;
 };
 
-// Of an inlet in a wall: water at most a spacing ahead of it has the speed of its row, and falls as all water does.
+// Of an inlet in a wall: water at most a spacing ahead of it has the speed of its row and falls like all water.
 class WallNozzle : public Forcing {
  public:
   WallNozzle(std::shared_ptr<Inlet> inlet, std::shared_ptr<WallFlows> flows, std::size_t k, const Vec3& gravity,
@@ -60,9 +60,9 @@ class WallNozzle : public Forcing {
   const FlowState::Stream& stream_;  // of an InflowOutflow that lives as long
 };
 
-constexpr Real max_owed = 2;  // layers that an inlet still has to make, at most; the rest is forgotten
+constexpr Real max_owed = 2;  // layers that an inlet still has to make, at most; the rest is dropped
 
-// Those in a region, in ascending order.
+// The particles in one of the regions, in ascending order.
 std::vector<LocalId> drained(const std::vector<DrainSettings>& regions, const std::vector<Vec3>& positions) {
   constexpr LocalId part_size = 8192;
   const Range all{0, static_cast<LocalId>(positions.size())};
@@ -166,8 +166,9 @@ void InflowOutflow::drain(Particles& particles, Real dt, StepState& change) {
   change.squares -= all.squares;
 }
 
-// A layer is due when the water has come a spacing since the last one. It is made at the start of the next substep, as
-// far ahead of the opening as it has come by then: no amount and no distance depends on how time is cut.
+// A layer is due when the water has moved by a spacing since the last one. It is made at the start of the next substep,
+// as far ahead of the opening as the water has moved by then: neither amounts nor distances depend on how time is
+// divided.
 void InflowOutflow::run(std::size_t k, Water& water, StepState& change) {
   const Inlet& inlet = *parts_.inlets[k];
   FlowState::Stream& stream = state_.streams[k];
@@ -189,7 +190,7 @@ void InflowOutflow::run(std::size_t k, Water& water, StepState& change) {
       stream.travelled = parts_.spacing;  // the next layer waits in the opening
       return;
     }
-    // What was in the way is made up for by layers that come sooner: deep water gives way only when it is pressed.
+    // Blocked places are made up for by layers that come sooner: deep water gives way only under pressure.
     const Real owed = stream.travelled + parts_.spacing * static_cast<Real>(made.blocked) / in_layer;
     stream.travelled = std::min(owed, max_owed * parts_.spacing);
     stream.blocked += (owed - stream.travelled) / parts_.spacing * in_layer;
@@ -200,8 +201,8 @@ void InflowOutflow::run(std::size_t k, Water& water, StepState& change) {
   add_sources(inlet, path);
 }
 
-// Where the water of a layer comes out; what is in its way has to make room from now on, not at once when the layer is
-// made.
+// Where the water of a layer comes out. The water in its way has to make room from now on, not all at once when the
+// layer is made.
 void InflowOutflow::add_sources(const Inlet& inlet, Real path) {
   const InletLattice& lattice = inlet.lattice();
   for (GlobalId place = 0; path > 0 && place < lattice.places(); ++place) {
@@ -269,7 +270,7 @@ InflowOutflow::Made InflowOutflow::make(const Layers& layers, Water& water, Step
     made.particles += wanted;
     made.covered += hidden;
     made.blocked += lattice.open_places() - hidden - wanted;
-    // It left the nozzle that long ago.
+    // It left the nozzle this long ago.
     const Real ahead = layers.ahead(layer, parts_.spacing);
     const Real flown = layers.speed > 0 ? std::max<Real>(0, ahead - parts_.spacing) / layers.speed : 0;
     const Vec3 fallen = parts_.gravity * flown;

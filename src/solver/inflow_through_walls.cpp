@@ -1,4 +1,4 @@
-// The particles of inlets in walls: row by row, each with its own speed.
+// The particles of inlets in walls, row by row, each row with its own speed.
 #include <algorithm>
 #include <cmath>
 
@@ -10,11 +10,11 @@ namespace trevi {
 
 namespace {
 
-constexpr Real max_owed_spacings = 2;  // spacings, of a row
+constexpr Real max_owed_spacings = 2;  // spacings, for each row
 
 }  // namespace
 
-// Of each row the places whose water has come a spacing since the last, the farthest first.
+// For each row, the places whose water has moved by a spacing since the last layer, the farthest first.
 std::vector<InflowOutflow::Due> InflowOutflow::due_places(std::size_t k, std::vector<RowDue>& rows) {
   const InletLattice& lattice = parts_.inlets[k]->lattice();
   const GlobalId columns = lattice.places() / lattice.rows();
@@ -33,7 +33,7 @@ std::vector<InflowOutflow::Due> InflowOutflow::due_places(std::size_t k, std::ve
   return due;
 }
 
-// Which of them hold no water, on any rank.
+// Determines which of these hold no water on any rank.
 std::vector<char> InflowOutflow::free_places(std::size_t k, const std::vector<Due>& due,
                                              const std::vector<RowDue>& rows, const Particles& particles) const {
   const InletLattice& lattice = parts_.inlets[k]->lattice();

@@ -9,7 +9,7 @@ namespace trevi {
 
 namespace {
 
-// A fountain or an inlet in its list.
+// A fountain or an inlet, by its index in its list.
 struct Place {
   const char* list;
   std::size_t index;

@@ -1,5 +1,5 @@
-// From settings to a solver: the one place where the features of a step are chosen. A feature that the settings leave
-// out is not built: it has no forcing, no filter, no array and no event.
+// From settings to a solver: the one place where the features of a step are chosen. A feature that the settings do not
+// request is not built: it has no forcing, no filter, no array and no event.
 #include "solver/make_solver.hpp"
 
 #include <fmt/format.h>
@@ -31,8 +31,8 @@ namespace trevi {
 
 namespace {
 
-// Zones come before gravity: they damp what moves, and would make water weigh less if they had its fall of this
-// substep.
+// Damping zones precede gravity: they damp the motion, and would make water weigh less if it already included the fall
+// in this substep.
 std::vector<std::unique_ptr<Forcing>> make_forcings(const Settings& settings,
                                                     std::vector<std::unique_ptr<Forcing>> more) {
   std::vector<std::unique_ptr<Forcing>> forcings;
@@ -123,7 +123,7 @@ void make_fluid(const Settings& settings, SolverParts<T>& parts) {
                                    water_mass(settings.fluid)});
 }
 
-// What a solver is made of, apart from the settings, which have been checked.
+// The parts of a solver apart from the settings, which have been checked.
 struct Given {
   Particles particles;
   SolverExtras extras;
@@ -131,7 +131,7 @@ struct Given {
   CheckpointInfo info;
 };
 
-// The files that the settings ask for, before the observers of the caller.
+// The writers of the files that the settings request, which precede the observers of the caller.
 std::vector<std::unique_ptr<Observer>> make_observers(MPI_Comm comm, const Settings& settings, const Given& given) {
   if (settings.output.directory.empty()) return {};
   WriterOptions options{settings.output.directory, sum_over_ranks(comm, given.particles.size()), {}, given.info};
@@ -159,7 +159,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
   parts.particles = std::move(given.particles);
   parts.particles.has_hue = max_over_ranks(comm, parts.particles.has_hue ? 1.0 : 0.0) > 0;
   if (wants_hue(settings) && !parts.particles.has_hue) add_hue(comm, parts.particles);
-  if (!has_solids(settings) && !given.flow.inlets_and_drains)  // which stand where they are in the box
+  if (!has_solids(settings) && !given.flow.inlets_and_drains)  // which have fixed places in the box
     parts.first_cell = extras.first_cell ? *extras.first_cell : first_cell(*parts.comm, settings, parts.particles);
   parts.box = PeriodicDomain::turned(settings.domain, settings.fluid.kernel_radius, parts.first_cell);
   if (!settings.domain.contains(parts.box.min) || (parts.box.min.array() >= settings.domain.max.array()).any())
@@ -205,7 +205,7 @@ std::unique_ptr<Solver> make(MPI_Comm comm, const Settings& settings, Given give
 
 Settings checked(MPI_Comm comm, const Settings& settings, const SolverExtras& extras) {
   Settings all;
-  all_or_none(comm, [&] { all = checked_and_resolved(settings); });  // perhaps wrong on one rank alone
+  all_or_none(comm, [&] { all = checked_and_resolved(settings); });  // may be wrong on one rank alone
   check_extras(comm, extras);
   return all;
 }

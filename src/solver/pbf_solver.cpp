@@ -12,7 +12,7 @@
 
 namespace trevi {
 
-// MPI_Comm_free is collective: while an error of this rank alone propagates, the other ranks would not call it.
+// MPI_Comm_free is collective: while an error propagates on this rank alone, the other ranks would not call it.
 OwnCommunicator::~OwnCommunicator() {
   if (std::uncaught_exceptions() == 0) MPI_Comm_free(&comm_);
 }
@@ -133,7 +133,7 @@ void PbfSolver<T>::ask_observers(std::int64_t step) {
   guard_.attempt(step, "an observer", [&] { reporter_.ask_observers(step); });
 }
 
-// Of what forcings and moving obstacles give to the water in the step that begins now, m/s.
+// The largest speed that forcings and moving obstacles give to the water in the step that now begins, m/s.
 template <class T>
 Real PbfSolver<T>::fastest_pushed() {
   Clock next = parts_.clock;
@@ -161,7 +161,7 @@ void PbfSolver<T>::apply_forcings(const StepInfo& info) {
   const auto apply = [&] {
     for (std::size_t k = parts_.first_own_forcing; k < forcings.size(); ++k) apply_forcing(*forcings[k], info);
   };
-  reporter_.measure_supply(apply, info.dt / 2);  // what holds water on its way does so against gravity all the time
+  reporter_.measure_supply(apply, info.dt / 2);  // what holds water on its path acts against gravity all the time
   const Particles& particles = parts_.particles;
   const LocalId lost = first_index(
       {0, particles.size()}, [&](std::size_t i) { return !parts_.boundary->walls().inside(particles.position[i]); });
@@ -172,7 +172,8 @@ void PbfSolver<T>::apply_forcings(const StepInfo& info) {
   }
 }
 
-// By a pump, or a forcing of the caller, for so many seconds of the substep: of several the last one's velocity counts.
+// The time in the substep, s, for which a pump, or a forcing of the caller, determines the motion. Of several the last
+// one counts.
 template <class T>
 std::function<Real(std::size_t)> PbfSolver<T>::held(const StepInfo& info) const {
   if (parts_.first_own_forcing == parts_.forcings.size()) return {};
@@ -197,13 +198,13 @@ void PbfSolver<T>::apply_forcing(Forcing& forcing, const StepInfo& info) {
   particles.resize(particles.id.size());
 }
 
-// Tested here, as the next collision would move an infinite p* to a wall, where it looks valid.
+// Tested here, because the next collision would move an infinite p* onto a wall, where it would look valid.
 template <class T>
 void PbfSolver<T>::predict_positions(Real dt) {
   const ScopedEvent timed(predict_event_);
   Particles& particles = parts_.particles;
   Boundary& boundary = *parts_.boundary;
-  boundary.round_positions(particles);  // new particles may be between the multiples of the quantum
+  boundary.round_positions(particles);  // new particles may lie between the multiples of the quantum
   const LocalId lost = boundary.predict(particles, dt);
   if (lost < particles.size()) guard_.note_particle(particles, static_cast<std::size_t>(lost), parts_.clock.step + 1);
   boundary.wrap_predicted(particles);

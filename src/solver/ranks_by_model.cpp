@@ -7,8 +7,8 @@ namespace trevi {
 
 namespace {
 
-// A cluster of the model, CHOICE of postprocess/scaling_model.py: seconds of a particle and step, and of a message,
-// bytes a second between ranks and out of a node, ranks of a node.
+// A cluster of the model, CHOICE of postprocess/scaling_model.py: seconds per particle and step and per message, bytes
+// per second between ranks and out of a node, ranks per node.
 constexpr Real particle_seconds = 465e-9, message_seconds = 2e-6, between_ranks = 8.1e9, out_of_node = 12e9;
 constexpr int node_ranks = 64;
 
@@ -21,7 +21,7 @@ Real step_by_model(const RestingWater& water, int slabs, int parts) {
   const bool cut = parts > 1;
   const LocalId planes = quotient_up(water.planes, slabs), rows = quotient_up(water.rows, parts);
   const Traffic of_rank = halo_traffic(water, {sides(slabs), sides(parts), planes, rows, 1, 1, cut});
-  // Ranks of a slab follow one another, and so do those of a node.
+  // The ranks of a slab have consecutive numbers, and so do those of a node.
   const int node_parts = std::min(parts, node_ranks), node_slabs = std::min(slabs, std::max(node_ranks / parts, 1));
   const Traffic of_node =
       halo_traffic(water, {sides(quotient_up(slabs, node_slabs)), sides(quotient_up(parts, node_parts)),

@@ -35,8 +35,8 @@ void Reporter<T>::set_force_sums(const ForceSums& sums) {
   }
 }
 
-// What a checkpoint keeps: the sums of the first observer that wants them, as those of files come first, and those of
-// bodies.csv are those of obstacles.csv.
+// The sums that a checkpoint keeps: those of the first observer that wants them, because the observers that write files
+// come first, and the sums of bodies.csv are those of obstacles.csv.
 template <class T>
 ForceSums Reporter<T>::sums_of_files() const {
   ForceSums sums;
@@ -135,7 +135,8 @@ void Reporter<T>::observe() {
   }
 }
 
-// Our observers throw on all ranks alike, or cannot communicate any more; a caller's may throw on one rank alone.
+// Our own observers throw on all ranks alike, or cannot communicate any more; those of a caller may throw on one rank
+// alone.
 template <class T>
 void Reporter<T>::attempt(const std::function<void()>& work) {
   std::exception_ptr own;
@@ -176,7 +177,7 @@ Frame Reporter<T>::frame() {
           body_states_};
 }
 
-// A displacement d in a substep is a change of momentum by m d/dt.
+// A displacement d in a substep is a change of momentum of m d/dt.
 template <class T>
 void Reporter<T>::add_forces() {
   const Obstacles* const obstacles = state_.problem.obstacles();
@@ -214,7 +215,8 @@ void Reporter<T>::add_pressures(const std::vector<Real>& pressed, Real per, Forc
   ++sums.pressure_steps;
 }
 
-// What obstacles do by their motion: force times shift of the pivot and torque about it times rotation of the step.
+// The work that obstacles do by their motion in the step: force times shift of the pivot, plus torque about it times
+// rotation.
 template <class T>
 void Reporter<T>::add_work(const std::vector<TotalImpulse>& impulses, Real per) {
   const Obstacles& obstacles = *state_.problem.obstacles();
@@ -249,7 +251,7 @@ void Reporter<T>::add_supply() {
     supplied_.add(bodies_had_ - floating->energy() + floating->take_driven_work());
 }
 
-// Forces and pressures are each of the steps since this observer was last due.
+// Forces and pressures are each averaged over the steps since this observer was last due.
 template <class T>
 void Reporter<T>::take_means(std::size_t observer) {
   const Obstacles* const obstacles = state_.problem.obstacles();
@@ -272,7 +274,7 @@ void Reporter<T>::take_means(std::size_t observer) {
   for (Real& one : means.pressures) one /= steps;
 }
 
-// phi is a pressure over the density, times the time of the substep squared.
+// phi is the pressure divided by the density, times the square of the length of the substep.
 template <class T>
 std::vector<Real> Reporter<T>::probe_pressures() const {
   if (state_.probes == nullptr) return {};

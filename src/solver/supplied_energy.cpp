@@ -9,11 +9,11 @@ namespace trevi {
 
 namespace {
 
-constexpr Real highest = 1e12;  // m²/s², of speeds that no run survives
+constexpr Real highest = 1e12;  // m²/s², for speeds that no run survives
 
 }  // namespace
 
-// Sums may wrap around: their differences are right all the same.
+// The sums may wrap around; their differences are correct nevertheless.
 std::int64_t SuppliedEnergy::units(const Particles& particles, const Vec3& more) const {
   PerThread<std::uint64_t> sums;
   constexpr LocalId part_size = 2048;

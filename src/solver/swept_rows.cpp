@@ -29,8 +29,8 @@ void SweptRows::start(const CellOrder& order) {
   digest_.assign(all, 0);
 }
 
-// Plane k, counted with the ghost plane before the own ones. Where no other rank has rows of the plane, those beyond
-// the ends are those at the other end, as where the box repeats.
+// Plane k is counted with the ghost plane before the owned ones. Where no other rank has rows of the plane, the rows
+// beyond the ends are those at the other end, as if the box were periodic.
 std::size_t SweptRows::index(LocalId k, LocalId r) const {
   if (!order_->rows_are_cut()) r = (r + rows_) % rows_;
   return static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_ + 2) + static_cast<std::size_t>(r + 1);
@@ -119,7 +119,7 @@ std::span<const char> SweptRows::find_near_shifts() {
 }
 
 std::vector<Range> SweptRows::beside(const std::vector<char>& marked, bool bridged) const {
-  constexpr LocalId shortest = 2048;  // less is not worth a loop of its own
+  constexpr LocalId shortest = 2048;  // shorter ranges are not worth a loop of their own
   const LocalId gap = bridged ? shortest : 0;
   const std::span<const LocalId> starts = order_->row_starts();
   std::vector<Range> found;

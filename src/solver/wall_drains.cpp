@@ -1,4 +1,4 @@
-// Which particles leave by the drains in walls.
+// Determines which particles leave through the drains in walls.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,11 +11,11 @@ namespace trevi {
 namespace {
 
 constexpr Real taken_before = 0.25;  // spacings from the wall at which a particle leaves by a drain that holds a level
-constexpr Real reached = 1;          // spacings: by one with a flow those nearest to the wall leave, up to there
+constexpr Real reached = 1;          // spacings: up to here the nearest particles leave by a drain with a flow
 
 }  // namespace
 
-// Of the particle at the end of the substep, m; none where it does not leave by the drain.
+// Distance of the particle from the wall at the end of the substep, m; none if it does not leave through the drain.
 std::optional<Real> WallFlows::distance_left(const Opening& one, const Vec3& position, const Vec3& velocity,
                                              Real dt) const {
   const int axis = one.wall.axis, other = 1 - axis;
@@ -28,7 +28,7 @@ std::optional<Real> WallFlows::distance_left(const Opening& one, const Vec3& pos
   return leaves ? std::optional(left) : std::nullopt;
 }
 
-// Those of all ranks that come first, up to the number that is due: no rank knows alone which of its own are among
+// The first particles over all ranks, up to the number that is due: no rank alone knows which of its own are among
 // them.
 std::vector<WallFlows::Leaving> WallFlows::first_of_all(MPI_Comm comm, std::vector<Leaving> mine, GlobalId due) {
   const auto sorted_until_due = [&](std::vector<Leaving>& all) {

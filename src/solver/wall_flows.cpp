@@ -12,13 +12,13 @@ namespace trevi {
 namespace {
 
 constexpr Real share = 0x1p-20;        // of a particle, and of its momentum per m/s
-constexpr Real following_time = 20;    // of means, sqrt(d/g)
-constexpr Real apart = 2, strip = 16;  // spacings from an opening to where its level is measured, and their length
+constexpr Real following_time = 20;    // of the means, sqrt(d/g)
+constexpr Real apart = 2, strip = 16;  // spacings from an opening to the strip where its level is measured; its length
 constexpr Real min_length = 8;         // spacings, of the box of a drain
-constexpr Real max_due = 2;            // layers that a drain has still to take
-constexpr Real fastest = 3;            // sqrt(g d): no level asks for more
+constexpr Real max_due = 2;            // layers that a drain may still have to take
+constexpr Real fastest = 3;            // sqrt(g d): the largest speed that a level may require
 
-// Part of the edge of a particle's cube that is between two places, in spacings.
+// The fraction of a particle's cube along one of its edges that lies between two positions given in spacings.
 Real part_between(Real p, Real from, Real to, Real spacing) {
   return std::max<Real>(0, std::min(p / spacing + 0.5, to / spacing) - std::max(p / spacing - 0.5, from / spacing));
 }
@@ -160,7 +160,7 @@ void WallFlows::resize(FlowState& state) const {
   state.rows.resize(rows_, 0);
 }
 
-// Of an opening that is as wide as it will be, and of which is known where its level is measured.
+// For an opening that has its final width, and for which the region where its level is measured is known.
 void WallFlows::find_seen(Opening& opening, const StandingSolids& solids) const {
   const int other = 1 - opening.wall.axis;
   opening.seen = opening.across;
@@ -294,7 +294,7 @@ void WallFlows::drive_drain(Opening& opening, const Water& water, const StepInfo
     state.level += (water.level - state.level) * follow;
   }
   opening.speeds[0] = deep > 0 ? std::clamp(state.speed + high, 0.0, limit) : 0;
-  if (drain.flow) {  // forgotten where there is no water
+  if (drain.flow) {  // dropped where there is no water
     const Real layer = depth * opening.width(water.level) / (spacing_ * spacing_);
     state.due = std::min(state.due + opening.speeds[0] * info.dt / spacing_ * layer, max_due * layer);
   }

@@ -12,9 +12,9 @@ namespace trevi {
 
 namespace {
 
-constexpr std::int64_t touching = -1;  // below all labels of cells
+constexpr std::int64_t touching = -1;  // less than all labels of cells
 
-// The least element that hangs together with `of`, parents being less than their children.
+// The smallest element connected with `of`; parents are smaller than their children.
 template <class Index>
 Index root_in(std::vector<Index>& parent, Index of) {
   auto at = [&](Index k) -> Index& { return parent[static_cast<std::size_t>(k)]; };
@@ -28,10 +28,10 @@ void join_in(std::vector<Index>& parent, Index a, Index b) {
   parent[static_cast<std::size_t>(std::max(of_a, of_b))] = std::min(of_a, of_b);
 }
 
-// -1 below those of [0, count), 1 beyond them, else 0.
+// -1 for positions below [0, count), 1 for those beyond, otherwise 0.
 int way_out(LocalId at, LocalId count) { return at < 0 ? -1 : at >= count ? 1 : 0; }
 
-// Work(k, r) for own rows, or for those of ghosts around them.
+// Calls work(k, r) for owned rows, or for the ghost rows around them.
 template <class Work>
 void for_each_row(const CellOrder& order, bool ghosts, const Work& work) {
   for_each_part(order.planes() + 2, [&](LocalId k) {
@@ -46,7 +46,7 @@ void for_each_row(const CellOrder& order, bool ghosts, const Work& work) {
 
 std::size_t WaterPieces::root(std::size_t run) { return root_in(parent_, run); }
 
-// Of a row no cell is asked for beyond its last particle: the air above the water costs nothing.
+// In each row no cell beyond its last particle is examined: the air above the water costs nothing.
 void WaterPieces::find_runs(const CellOrder& order, bool ghosts) {
   rows_.resize(static_cast<std::size_t>((order.planes() + 2) * (order.rows() + 2)));
   for_each_row(order, ghosts, [&](LocalId k, LocalId r) {
@@ -65,7 +65,7 @@ void WaterPieces::find_runs(const CellOrder& order, bool ghosts) {
   });
 }
 
-// join(one of a, one of b) for runs that have cells beside each other.
+// Calls join(one of a, one of b) for runs that have cells next to each other.
 void WaterPieces::join_rows(const CellOrder& order, const std::vector<CellRun>& a, const std::vector<CellRun>& b,
                             const std::function<void(const CellRun&, const CellRun&)>& join) const {
   if (a.empty() || b.empty()) return;
@@ -106,7 +106,7 @@ void WaterPieces::join_own(const CellOrder& order) {
   }
 }
 
-// Labels of the roots. Whether some own piece is not touched along all axes.
+// Finds the labels of the roots. Returns whether some piece on this rank is not touched along all axes.
 bool WaterPieces::find_touching(const CellOrder& order, const std::function<Axes(std::size_t)>& touches) {
   of_roots_.assign(own_.size(), 0);
   std::vector<std::size_t> roots(own_.size());
@@ -140,8 +140,8 @@ bool WaterPieces::find_touching(const CellOrder& order, const std::function<Axes
   return any;
 }
 
-// visit(own, ghost, ways) for runs that have cells beside each other across a cut; ways: by planes and by rows, -1,
-// 0, 1.
+// Calls visit(own, ghost, ways) for runs that have cells next to each other across a cut. `ways`: the direction by
+// planes and by rows, -1, 0 or 1.
 void WaterPieces::visit_beyond(const CellOrder& order, const BeyondVisit& visit) {
   const bool wraps = order.grid().is_periodic(1) && !order.rows_are_cut();
   for (LocalId k = 1; k <= order.planes(); ++k) {
@@ -158,8 +158,8 @@ void WaterPieces::visit_beyond(const CellOrder& order, const BeyondVisit& visit)
   }
 }
 
-// Whether a piece may end on this rank along an axis along which it is not touched here. The pieces of which none does
-// go on from cut to cut up to the walls.
+// Whether a piece may end on this rank along an axis along which it is not touched here. Pieces for which this is not
+// the case continue from cut to cut up to the walls.
 bool WaterPieces::find_ends(const CellOrder& order) {
   constexpr unsigned low = 1, high = 2;
   std::vector<std::array<unsigned, 2>> goes_on(own_.size());  // of roots, by planes and by rows
@@ -178,8 +178,9 @@ bool WaterPieces::find_ends(const CellOrder& order) {
   return false;
 }
 
-// What hangs together across cuts, as this rank sees it, each once: an own label, that beyond, and along which axes the
-// own one is touched here. Each label is an own one of the rank that it is of.
+// The connections across cuts as seen by this rank, each only once: the label of the own part, that of the part beyond,
+// and the axes along which the own part is touched here. Each label belongs to an owned cell of the rank that has the
+// part.
 WaterPieces::Numbers WaterPieces::joints(const CellOrder& order, const Labels& labels) {
   std::vector<std::array<std::int64_t, 3>> found;
   visit_beyond(order, [&](const CellRun& own, const CellRun& ghost, const std::array<int, 2>&) {

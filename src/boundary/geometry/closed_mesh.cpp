@@ -46,7 +46,8 @@ std::string why_not_closed(const TriangleMesh& mesh) {
 
 namespace {
 
-// Six times the volume, m³, and twice the area, m². About a corner of the mesh, as it may be far from the origin.
+// Six times the volume, m³, and twice the area, m², computed about a corner of the mesh, which may be far from the
+// origin.
 std::pair<Real, Real> volume_and_area(const TriangleMesh& mesh) {
   std::pair<Real, Real> sums(0, 0);
   if (mesh.triangles.empty()) return sums;
@@ -66,7 +67,7 @@ namespace {
 
 using Triangles = std::vector<std::array<std::int32_t, 3>>;
 
-// The triangles of each shell: those that hang together by their corners.
+// The triangles of each shell: those connected through their corners.
 std::vector<Triangles> shells_of(const TriangleMesh& mesh) {
   std::vector<std::int32_t> above(mesh.points.size());
   std::iota(above.begin(), above.end(), 0);
@@ -88,7 +89,7 @@ std::vector<Triangles> shells_of(const TriangleMesh& mesh) {
   return all;
 }
 
-// How often the surface goes around p (van Oosterom & Strackee 1983): 1 within a shell that faces outwards.
+// The winding number of the surface about p (van Oosterom & Strackee 1983): 1 within a shell that faces outwards.
 Real winding_number(const TriangleMesh& mesh, const Vec3& p) {
   Real sum = 0;
   for (const auto& t : mesh.triangles) {
@@ -119,7 +120,7 @@ struct Triangle {
   Vec3 high() const { return corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]); }
 };
 
-// Where an edge of one passes through the plane of the other within it, its rim included.
+// The point where an edge of one triangle passes through the other triangle, rim included.
 std::optional<Vec3> crossing(const Triangle& one, const Triangle& other) {
   const auto& [a, b, c] = other.corners;
   const Vec3 normal = (b - a).cross(c - a);
@@ -136,7 +137,7 @@ std::optional<Vec3> crossing(const Triangle& one, const Triangle& other) {
   return std::nullopt;
 }
 
-// Where surfaces of two shells meet, some dozens of places at most: where solids touch, and where they overlap.
+// Points where the surfaces of two shells meet, a few dozen at most: where solids touch, and where they overlap.
 std::vector<Vec3> meetings(std::vector<Triangle> all) {
   constexpr std::size_t enough = 40;
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.low().x() < b.low().x(); });
@@ -156,8 +157,8 @@ std::vector<Vec3> meetings(std::vector<Triangle> all) {
 
 }  // namespace
 
-// Shells that do not meet are within one another as a whole or not at all, so one place of each will do. Around a place
-// where two meet there is one of each kind in the directions from it.
+// Shells that do not meet are either entirely within one another or not at all, so one point of each is enough. Around
+// a point where two meet there is one point of each kind in the directions from it.
 std::string where_shells_overlap(const TriangleMesh& mesh) {
   const std::vector<Triangles> shells = shells_of(mesh);
   if (shells.size() < 2) return {};
@@ -193,7 +194,7 @@ std::string where_shells_overlap(const TriangleMesh& mesh) {
 }
 
 bool is_flat(const TriangleMesh& mesh) {
-  constexpr Real least = 1e-6;  // of a cube's volume for its area, which is area^1.5 / 14.7
+  constexpr Real least = 1e-6;  // of the volume of a cube with the same area, which is area^1.5 / 14.7
   const auto [volume, area] = volume_and_area(mesh);
   return std::abs(volume) / 6 <= least * std::pow(area / 2, 1.5) / 14.7;
 }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int near_intervals = 6, middle_intervals = 2;
 constexpr std::int32_t margin = 4;  // blocks around the bounds
-constexpr Real far_edges = 3;       // in edges of a block: further ones are only bounded
+constexpr Real far_edges = 3;       // in edges of a block: larger distances are only bounded
 
 }  // namespace
 
@@ -41,7 +41,7 @@ std::unique_ptr<DistanceGrid::Block> DistanceGrid::make(const BlockPlace& place)
   return block;
 }
 
-// By the bounds of the surface.
+// From the bounds of the surface.
 DistanceGrid::Rough DistanceGrid::beyond(const Vec3& p) const {
   const Real least = (bounds_.min - p).cwiseMax(p - bounds_.max).cwiseMax(0.0).norm();
   return {vessel_ ? -least : least, 0};

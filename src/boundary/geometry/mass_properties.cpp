@@ -53,8 +53,8 @@ MassProperties of_torus(Real radius, Real tube) {
 
 Matrix3 parallel_axes(const Vec3& arm) { return arm.squaredNorm() * Matrix3::Identity() - arm * arm.transpose(); }
 
-// What is left of a solid around the origin of which the middle is `below` it when the space around the origin is
-// taken.
+// The rest of a solid around the origin, whose centre is `below` the origin, after the space around the origin has been
+// removed.
 MassProperties without(const MassProperties& hull, Real below, const MassProperties& space) {
   MassProperties rest;
   rest.volume = hull.volume - space.volume;
@@ -73,7 +73,7 @@ MassProperties of_basin(const ObstacleSettings& basin) {
   return without(of_box(basin.size + Vec3(2 * wall, 2 * wall, wall)), wall / 2, of_box(basin.size));
 }
 
-// A tetrahedron with a corner at the origin has the moments det/120 Σ (x_i x_j of pairs of corners).
+// A tetrahedron with a corner at the origin has the moments det/120 Σ (x_i x_j over pairs of corners).
 MassProperties of_mesh(const TriangleMesh& mesh) {
   const Vec3 origin = mesh.points.front();
   Real six_volumes = 0;

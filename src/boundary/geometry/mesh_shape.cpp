@@ -17,7 +17,7 @@ Real distance2_to(const Box& box, const Vec3& p) {
   return (box.min - p).cwiseMax(p - box.max).cwiseMax(0.0).squaredNorm();
 }
 
-// The point of triangle abc nearest to p (Ericson, Real-Time Collision Detection, 5.1.5), and what it lies on.
+// The point of triangle abc nearest to p (Ericson, Real-Time Collision Detection, 5.1.5), and the feature it lies on.
 struct Closest {
   Vec3 point;
   int feature;
@@ -43,8 +43,8 @@ Closest closest_on(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   return {a + ab * (vb * per) + ac * (vc * per), 6};
 }
 
-// Grows with the angle between two unit vectors, from 0 to pi, as the angle itself does, to 1e-3; without the arc
-// cosine of the C library. Weights for the normal of a corner need not be more exact.
+// Approximates the angle between two unit vectors, from 0 to pi, to 1e-3, without the arc cosine of the C library.
+// Weights for the normal of a corner need not be more exact.
 Real about_angle(const Vec3& a, const Vec3& b) {
   const Real c = std::clamp(a.dot(b), -1.0, 1.0), x = std::abs(c);
   const Real acute = std::sqrt(1 - x) * (1.5707288 + x * (-0.2121144 + x * (0.0742610 - x * 0.0187293)));
@@ -97,7 +97,7 @@ Box MeshShape::box_of(std::int32_t triangle) const {
   return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
 }
 
-// Halves the triangles along the longest axis of their box, by the middles of their own boxes.
+// Halves the triangles along the longest axis of their box, by the centres of their own boxes.
 void MeshShape::build(std::size_t node, std::int32_t begin, std::int32_t end) {
   Box all = box_of(order_[static_cast<std::size_t>(begin)]);
   for (std::int32_t k = begin; k < end; ++k) {
@@ -126,7 +126,7 @@ void MeshShape::build(std::size_t node, std::int32_t begin, std::int32_t end) {
   build(children + 1, middle, end);
 }
 
-// Of triangles at the same distance that with the lowest number counts, in whatever order they are met.
+// Of triangles at the same distance, the one with the lowest number counts, in whatever order they are visited.
 void MeshShape::try_triangle(std::int32_t triangle, const Vec3& p, Nearest& nearest) const {
   const Closest closest = closest_on(corner(triangle, 0), corner(triangle, 1), corner(triangle, 2), p);
   const Real d2 = (p - closest.point).squaredNorm();
@@ -162,7 +162,7 @@ MeshShape::Nearest MeshShape::nearest_to(const Vec3& p, Real reach) const {
 
 Real MeshShape::signed_distance(const Vec3& p, Real reach) const {
   const Nearest nearest = nearest_to(p, reach);
-  if (nearest.triangle < 0) return reach;  // taken for outside of the solid, where particles are
+  if (nearest.triangle < 0) return reach;  // treated as outside of the solid, where particles are
   const Vec3& normal = normals_[static_cast<std::size_t>(nearest.triangle)][static_cast<std::size_t>(nearest.feature)];
   const Real distance = std::sqrt(nearest.distance2);
   return ((p - nearest.point).dot(normal) < 0) == inside_ ? distance : -distance;

@@ -8,7 +8,7 @@
 namespace trevi {
 namespace {
 
-// Where its surface is: of one that turns, at any time.
+// The box of its surface; for a rotating obstacle, at any time.
 Box place_of(const ObstacleSettings& obstacle) {
   const Box bounds = bounds_of(obstacle);
   if (!obstacle.angular_velocity.isZero() || (obstacle.oscillation && !obstacle.oscillation->rotation.isZero())) {
@@ -26,7 +26,7 @@ bool is_along(Vec3 direction, int axis) {
   return direction.isZero();
 }
 
-// Whether it is a straight one along an axis, the same wherever it is cut; a cylinder may turn about it.
+// Whether it is straight along an axis, with the same cross-section everywhere; a cylinder may rotate about the axis.
 bool is_straight(const ObstacleSettings& obstacle, int axis) {
   if (!obstacle.rotate.isZero()) return false;
   if (obstacle.wavemaker) return obstacle.wavemaker->direction[axis] == 0;

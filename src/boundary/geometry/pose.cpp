@@ -11,7 +11,7 @@ namespace trevi {
 
 namespace {
 
-// By their Taylor series, for |x| up to pi/4, where the terms left out are below 1e-17.
+// By Taylor series, for |x| up to pi/4, where the omitted terms are below 1e-17.
 Real sine_of(Real x) {
   const Real y = x * x;
   Real sum = 0;
@@ -25,7 +25,7 @@ Real cosine_of(Real x) {
   return 1 + sum;
 }
 
-// Takes z to the axis by the smallest rotation; its columns are the axes of the body.
+// The smallest rotation that takes z to the axis; its columns are the axes of the body.
 Rotation turn_of_axis(const Vec3& axis) {
   const Vec3 z = axis / axis.norm();
   if (z.x() == 0 && z.y() == 0) return z.z() < 0 ? turn_about(Vec3::UnitX(), 0.5) : Rotation::Identity();
@@ -105,7 +105,7 @@ Pose BodyMotion::at(Real time, Real offset) const {
   return {center, turn_about(spin_axis_, turns_per_second_ * time) * start_};
 }
 
-// m/s, from the neighbours of a knot; the ends are at rest.
+// In m/s, from the neighbours of a knot; the ends are at rest.
 Vec3 BodyMotion::slope_at(std::size_t knot) const {
   if (knot == 0 || knot + 1 == knots_.size()) return Vec3::Zero();
   return (knots_[knot + 1].center - knots_[knot - 1].center) / (knots_[knot + 1].time - knots_[knot - 1].time);
@@ -122,7 +122,7 @@ Vec3 BodyMotion::center_at(Real time) const {
          span * t * u * (u * slope_at(k) - t * slope_at(k + 1));
 }
 
-// Of the cubics and of paddles by samples; they bend too little between these to matter for the choice of substeps.
+// For cubics and paddles, from samples; between these they curve too little to affect the choice of substeps.
 Real BodyMotion::fastest(Real begin, Real end, Real radius) const {
   if (oscillation_) {  // a bound that holds at all times
     const auto& [amplitude, rotation, period, ramp] = *oscillation_;

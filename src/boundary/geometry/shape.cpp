@@ -14,7 +14,7 @@ std::unique_ptr<Shape> make_extruded(const ObstacleSettings& obstacle);
 
 Real radial(const Vec3& p) { return std::sqrt(p.x() * p.x() + p.y() * p.y()); }
 
-// The shape's own distance() is in the loop over places, without a call for each.
+// The shape's own distance() is part of the loop over positions, without a call for each.
 template <class Own>
 class ShapeOf : public Shape {
  public:
@@ -108,13 +108,13 @@ class Torus : public ShapeOf<Torus> {
   Real radius_, tube_;
 };
 
-// What two solids are together, the outside of which is a hull less a cavity that is open at its top: the distance to
-// both is exact outside, and inside that to the nearer of the hull's surface and the cavity.
+// For the union of two solids, which is a hull minus a cavity that is open at its top. The distance to both is exact
+// outside; inside it is that to the nearer of the hull's surface and the cavity.
 Real open_distance(Real hull, Real cavity, Real nearest_part) {
   return hull < 0 && cavity > 0 ? -std::min(-hull, cavity) : nearest_part;
 }
 
-// Upright, around a space of this radius and height with its middle at the origin.
+// Upright, around a space of this radius and height whose centre is at the origin.
 class RoundBasin : public ShapeOf<RoundBasin> {
  public:
   RoundBasin(Real radius, Real height, Real wall) : radius_(radius), half_(height / 2), wall_(wall) {}
@@ -177,11 +177,11 @@ class BoxBasin : public ShapeOf<BoxBasin> {
   Real wall_;
 };
 
-// What goes on without end along a coordinate: its distance is that in the cut through the middle of a shape whose ends
-// are so far away that they are never the nearest of its surface.
+// A shape that extends infinitely along a coordinate: its distance is that in the section through the centre of a shape
+// whose ends are so far away that they are never the nearest part of its surface.
 class Extruded : public ShapeOf<Extruded> {
  public:
-  /// `shown`: the same, as long as pictures are to show it.
+  /// `shown`: the same shape, with the length that pictures show.
   Extruded(std::unique_ptr<Shape> shape, std::unique_ptr<Shape> shown, Eigen::Index along)
       : shape_(std::move(shape)), shown_(std::move(shown)), along_(along) {}
   Real distance(const Vec3& p) const override {
@@ -199,7 +199,7 @@ class Extruded : public ShapeOf<Extruded> {
   Eigen::Index along_;
 };
 
-// The rest of the world.
+// The complement of a shape.
 class Outside : public ShapeOf<Outside> {
  public:
   explicit Outside(std::unique_ptr<Shape> shape) : shape_(std::move(shape)) {}
@@ -239,7 +239,7 @@ std::unique_ptr<Shape> make_extruded(const ObstacleSettings& obstacle) {
   shown.extruded = false;
   ObstacleSettings endless = shown;
   const bool along_axis = obstacle.shape == ShapeKind::cylinder;
-  constexpr Real far = 4;  // times the largest extent in the cut
+  constexpr Real far = 4;  // times the largest extent in the section
   if (along_axis) {
     endless.height = far * obstacle.radius;
   } else {
@@ -264,7 +264,7 @@ std::unique_ptr<Shape> make_shape(const ObstacleSettings& obstacle) {
   return std::make_unique<Outside>(make_solid(obstacle));
 }
 
-// A mesh that is read twice is not known to be the same one.
+// A mesh that is read twice is not recognised as the same one.
 bool has_same_shape(const ObstacleSettings& a, const ObstacleSettings& b) {
   return a.shape == b.shape && a.size == b.size && a.radius == b.radius && a.tube == b.tube && a.height == b.height &&
          a.wall == b.wall && a.inside == b.inside && a.mesh == b.mesh && a.extruded == b.extruded;

@@ -7,7 +7,7 @@ namespace trevi {
 
 namespace {
 
-// No more blocks than that across a large mesh.
+// Largest number of blocks across a large mesh.
 constexpr int max_blocks = 256;
 
 Real extent_of(const Shape& shape) { return (shape.bounds().max - shape.bounds().min).maxCoeff(); }
@@ -25,7 +25,7 @@ SolidTest::SolidTest(std::unique_ptr<Shape> shape, Real edge)
 
 bool SolidTest::is_nearer(const Vec3& place_in_solid, Real gap) const {
   Vec3 p = place_in_solid;
-  if (const auto along = shape_->extruded_along()) p[*along] = 0;  // it goes on beyond its bounds
+  if (const auto along = shape_->extruded_along()) p[*along] = 0;  // it continues beyond its bounds
   const Vec3 beyond = (bounds_.min - p).cwiseMax(p - bounds_.max).cwiseMax(0.0);
   if (beyond.squaredNorm() > 0) return beyond.norm() > std::abs(gap) ? vessel_ : shape_->distance(p) < gap;
   const BlockPlace place = block_place(p, edge_);

@@ -31,11 +31,11 @@ std::vector<Vec3> points_of(const TriangleMesh& mesh, Real step) {
 
 namespace {
 
-// The mean distance around a point grows with the angle of an edge: from 0 in a plane to 0.37 of the radius at a right
-// angle, 0.15 at 35 degrees.
+// The mean distance around a point grows with the angle of an edge: from 0 in a plane to 0.15 of the radius at 35
+// degrees and 0.37 at a right angle.
 bool is_sharp(const Shape& shape, const Vec3& p, Real radius) {
   constexpr Real sharp = 0.15;
-  constexpr int directions = 27;  // to the corners, edges and faces of a cube, and its middle
+  constexpr int directions = 27;  // to the corners, edges and faces of a cube, and its centre
   Real sum = 0;
   for (int n = 0; n < directions; ++n) {
     const Vec3 to(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
@@ -52,7 +52,7 @@ std::vector<Vec3> edges_of(const Shape& shape, const TriangleMesh& surface, Real
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 &a = surface.points[static_cast<std::size_t>(corners[k])],
                  &b = surface.points[static_cast<std::size_t>(corners[(k + 1) % 3])];
-      // An edge belongs to two triangles, which go along it in opposite directions.
+      // An edge belongs to two triangles, which traverse it in opposite directions.
       if (std::tie(a.x(), a.y(), a.z()) > std::tie(b.x(), b.y(), b.z()) || !is_sharp(shape, (a + b) / 2, radius))
         continue;
       const int n = std::max(1, static_cast<int>(std::ceil((b - a).norm() / step)));

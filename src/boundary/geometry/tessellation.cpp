@@ -8,7 +8,7 @@ namespace trevi {
 
 namespace {
 
-// Corners of a circle whose chords deviate by at most `finest`.
+// The number of corners of a circle whose chords deviate by at most `finest`.
 int corners(Real radius, Real finest) {
   const Real fraction = std::clamp(finest / radius, 1e-4, 0.1);
   return std::clamp(4 * static_cast<int>(std::ceil(std::numbers::pi / (4 * std::acos(1 - fraction)))), 16, 256);

@@ -10,10 +10,11 @@ namespace trevi {
 
 namespace {
 
-// In units of h: how near a particle comes to a surface, and the step along a path that skims one. A sheet that is
-// thinner than the step could be passed.
+// In units of h: the distance of a particle from a surface at a contact, and the smallest step along a path that skims
+// a surface. A sheet thinner than this step could be passed through.
 constexpr Real contact_distance = 1e-6, min_step = 0.01;
-// And how far from a wall of the box a solid goes on to it; it does so for the density (solid_map.cpp).
+// The distance from a wall of the box within which a solid is extended to the wall, as it is for the density
+// (volume_map.cpp).
 constexpr Real extension = 1.0 / 32;
 // Largest distance at which a solid contributes to the density, in units of h; see wall_density.hpp.
 constexpr Real density_reach = 1.25;
@@ -72,12 +73,12 @@ void Body::place(const Pose& before, const Pose& now) {
   bounds_of(Extent::shift) = box_at(now_, 2 * wall_extension_);
   bounds_of(Extent::path) = on_way(density_reach * h_);
   went_ = (now_.center - before_.center).norm();
-  // A plane between it and both ends of a path is turned by no more than this over the length of the path.
+  // A plane between the body and both ends of a path is rotated by no more than this over the length of the path.
   const Real margin = std::min(2 * wall_extension_ + turned_ * (radius_ + across_), density_reach * h_);
   place_parts(on_way(margin), margin);
 }
 
-// Who is outside of that for the density is out of reach by the distance, too, which is not asked of a mesh.
+// What is outside of the part for the density is also out of reach by the distance, which is not computed for a mesh.
 void Body::place_parts(const Box& way, Real margin) {
   constexpr Real rounding = 1 + 1e-9;
   const Real radius = shape_->bounding_radius();
@@ -141,9 +142,9 @@ bool Body::may_cross(const Vec3& from, const Vec3& to) const {
   return false;
 }
 
-// The distance itself passes nothing. Nearer than a least step it is the distance to the surface by the slope along the
-// path, and a little more, so that the next place is in the solid if the path meets it; one that skims it goes by least
-// steps.
+// A step by the distance itself passes through nothing. Closer than the smallest step, the step is the distance to the
+// surface according to the slope along the path, plus a little more, so that the next position is in the solid if the
+// path meets it. A path that skims the surface proceeds by smallest steps.
 Real Body::step_from(const Segment& segment, Real s, Real d, Real threshold) const {
   const Real least = min_step * h_, small = tolerance_ / 2;
   if (d - tolerance_ >= least) return d - tolerance_;
@@ -153,7 +154,7 @@ Real Body::step_from(const Segment& segment, Real s, Real d, Real threshold) con
   return std::min(to_surface + small, least);
 }
 
-// The last step is halved until the place of contact is known.
+// The last step is halved until the point of contact is known.
 std::optional<Real> Body::first_contact(const Segment& segment) const {
   const Real length = segment.length();
   if (length == 0) return std::nullopt;
@@ -210,7 +211,7 @@ bool Body::is_clear(const ContactPoint& point) const {
 Vec3 Body::exit_shift(const ContactPoint& point) const {
   Vec3 out = Vec3::Zero();
   if (is_off(point.in_body)) return out;
-  constexpr int most = 8;  // one will do where the nearest surface is a plane or a ball
+  constexpr int most = 8;  // one is enough where the nearest surface is a plane or a ball
   for (int k = 0; k < most; ++k) {
     const ContactPoint there{point.in_body + out, point.in_world + now_.turn * out};
     const Real d = distance(there, h_);

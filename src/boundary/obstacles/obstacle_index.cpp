@@ -33,7 +33,7 @@ ObstacleIndex::ObstacleIndex(const Box& box, Real h, const std::vector<std::uniq
   update();
 }
 
-// The cells of a block, by their numbers.
+// Visits the cells of a block by their numbers.
 template <class Visit>
 void ObstacleIndex::for_each_cell(const Block& block, const Visit& visit) const {
   for (std::size_t x = block.low[0]; x <= block.high[0]; ++x) {
@@ -75,7 +75,7 @@ ObstacleIndex::Bits ObstacleIndex::in(const Box& box) const {
   return found;
 }
 
-// Most bodies go less than a cell in a substep.
+// Most bodies move less than a cell in a substep.
 void ObstacleIndex::update() {
   std::vector<Marked> now;
   Bits everywhere = always_;

@@ -11,11 +11,12 @@ namespace trevi {
 
 namespace {
 
-// How far beside bodies that float paths are looked at which these may meet once they are settled, h.
+// Distance from floating bodies, in units of h, within which paths are examined that they may meet once they are
+// settled.
 constexpr Real wider = 1.0 / 16;
 
-// The box at whose walls solids end. In two dimensions there are none along y, and to clamp a place to them would round
-// its other coordinates.
+// The box at whose walls solids end. In two dimensions there are no walls along y, and clamping a position to them
+// would round its other coordinates.
 Box box_of_solids(const Settings& settings, const Box& open) {
   Box box = settings.domain;
   if (settings.fluid.dimensions == 2) {
@@ -25,7 +26,7 @@ Box box_of_solids(const Settings& settings, const Box& open) {
   return box;
 }
 
-// About an axis across one along which the box repeats no moment is that of the water.
+// There is no moment of all of the water about an axis perpendicular to one along which the box is periodic.
 Eigen::Array<bool, 3, 1> axes_of_turns(const Settings& settings) {
   const std::array<bool, 3>& repeats = settings.periodic;
   const bool is_layer = settings.fluid.dimensions == 2;
@@ -84,21 +85,21 @@ Real Obstacles::fastest(Real begin, Real end) const {
   return floating_ ? std::max(most, floating_->fastest(end - begin)) : most;
 }
 
-// Of many bodies only those are asked that come near to a piece of water; few are all asked, and what they leave open
-// reaches further than a path.
+// Of many bodies only those near a piece of water are examined. If there are few, all are examined, and the space that
+// they leave open extends further than a path.
 bool Obstacles::are_few() const {
   constexpr std::size_t few_bodies = 4;
   return bodies_.size() <= few_bodies;
 }
 
-// Where they are is told by some of them, of about each cell one.
+// Their region is determined from some of them, about one per cell.
 Obstacles::Surroundings Obstacles::look_around(std::span<const Vec3> p) const {
   constexpr std::size_t each = 8;
   const Box water = box_around(p, each);
   return {water, are_few() ? index_->all() : index_->in(water)};
 }
 
-// In each substep a piece is asked for a dozen times.
+// Each piece is requested a dozen times per substep.
 Obstacles::Surroundings Obstacles::around(std::span<const Vec3> p, LocalId first) const {
   const auto count = static_cast<LocalId>(p.size());
   const std::size_t piece = static_cast<std::size_t>(std::max(first, 0)) / at_once;
@@ -113,7 +114,7 @@ OpenSpace Obstacles::open_space(const Surroundings& around, Extent extent) const
   return open_space(around, [&](std::size_t k) { return bodies_[k]->part(extent); });
 }
 
-// part_of(k) is what obstacle k closes, null where that is all.
+// part_of(k) is the part of space that obstacle k closes; null if that is all of it.
 template <class PartOf>
 OpenSpace Obstacles::open_space(const Surroundings& around, const PartOf& part_of) const {
   constexpr Real far = 4;
@@ -132,8 +133,8 @@ OpenSpace Obstacles::open_space(const Surroundings& around, const PartOf& part_o
 
 namespace {
 
-// The density that one obstacle contributes, and its gradient, in the world; at a place in its frame that is not out of
-// reach.
+// The density that one obstacle contributes, and its gradient in the world frame, at a position in its frame that is
+// not out of reach.
 Obstacles::NearDensity contribution_at(const Body& body, const AnalyticWallDensity& law, const Vec3& there) {
   const EquivalentPlane plane = body.map().at(there, law.reach());
   const auto [value, slope] = law.of_plane(plane.distance);
@@ -148,7 +149,7 @@ BoundaryDensity contribution_of(const Body& body, const AnalyticWallDensity& law
 
 }  // namespace
 
-// Obstacle by obstacle, all places of each at once.
+// Obstacle by obstacle, for each of them all positions at once.
 void Obstacles::find_near(const OpenSpace& open, std::span<const Vec3> p, std::span<NearDensity> found) const {
   std::fill(found.begin(), found.end(), NearDensity{});
   if (!law_ || p.empty()) return;
@@ -168,7 +169,7 @@ void Obstacles::find_near(const OpenSpace& open, std::span<const Vec3> p, std::s
     for (std::size_t n = 0; n < count; ++n) {
       if (body.is_out_of_reach(distance[n])) continue;
       const NearDensity one = contribution_at(body, *law_, there[n]);
-      if (!one.is_near) continue;  // it has none
+      if (!one.is_near) continue;  // it contributes none
       NearDensity& all = found[which[n]];
       all.density += one.density;
       all.gradient += one.gradient;
@@ -212,7 +213,7 @@ bool Obstacles::is_near_floating(const Vec3& from, const Vec3& to) const {
                      [&](std::size_t k) { return k >= first && !bodies_[k]->is_out_of_way(from, to); });
 }
 
-// Twice, as what they meet depends a little on how fast they are.
+// In two rounds, because what they meet depends slightly on how fast they are.
 void Obstacles::settle(MPI_Comm comm, Particles& particles, Real dt) {
   if (!floating_) return;
   const std::vector<Vec3>&x = particles.position, &v = particles.velocity, &straight = particles.predicted;
@@ -236,7 +237,7 @@ void Obstacles::settle(MPI_Comm comm, Particles& particles, Real dt) {
   recording_ = recorded;
 }
 
-// Those that would have to be looked at if bodies were a little elsewhere, too.
+// Includes those that would have to be examined if the bodies were slightly elsewhere.
 void Obstacles::find_bent(Particles& particles, Real dt) {
   note_ways();
   const auto part_of = [&](std::size_t k) {
@@ -264,7 +265,7 @@ void Obstacles::note_ways() {
   }
 }
 
-// Whether the bodies are where no other particles may meet them than when these were found.
+// Whether the bodies are where they can meet no particles other than those that were found.
 bool Obstacles::are_bent_still_all() const {
   const auto holds = [](const Box& box, const Box& other) {
     return box.contains(other.min) && box.contains(other.max);

@@ -1,5 +1,5 @@
-// Particles and their paths against boxes, as many at a time as a vector has doubles. Included once per instruction
-// set.
+// Tests of particles and their paths against boxes, for as many at a time as a vector has doubles. Included once per
+// instruction set.
 #if defined(TREVI_BOUNDARY_OPEN_SPACE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_BOUNDARY_OPEN_SPACE_INL
 #undef TREVI_BOUNDARY_OPEN_SPACE_INL
@@ -38,7 +38,7 @@ HWY_INLINE auto is_outside(const Box& box, const WideVec3& p) {
                 beyond(p.z, box.min.z(), box.max.z()));
 }
 
-// A NaN is not inside of any box, nor outside.
+// A NaN is neither inside nor outside any box.
 HWY_INLINE auto is_inside(const Box& box, const WideVec3& p) {
   const Wide d;
   const auto within = [d](hn::Vec<Wide> v, Real low, Real high) {
@@ -48,7 +48,7 @@ HWY_INLINE auto is_inside(const Box& box, const WideVec3& p) {
                  within(p.z, box.min.z(), box.max.z()));
 }
 
-// The same of both ends of paths; a NaN may be where the other end is inside.
+// The same for both ends of paths; a NaN may count as inside if the other end is inside.
 HWY_INLINE auto are_inside(const Box& box, const WideVec3& from, const WideVec3& to) {
   const Wide d;
   const auto within = [d](hn::Vec<Wide> a, hn::Vec<Wide> b, Real low, Real high) {
@@ -64,7 +64,7 @@ HWY_INLINE auto is_in(const Ball& ball, hn::Vec<Wide> off_x, hn::Vec<Wide> off_y
   return hn::Le(hn::Add(in_plane, hn::Mul(off_z, off_z)), hn::Set(Wide(), ball.radius * ball.radius));
 }
 
-// Whether places are in what is closed. Most of the water is below that.
+// Whether positions are in closed parts. Most of the water is below all of these.
 HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& p) {
   const Wide d;
   const auto within = [d](hn::Vec<Wide> v, Real low, Real high) {
@@ -86,7 +86,7 @@ HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& p) {
   return met;
 }
 
-// Whether the box around a path comes into what is closed.
+// Whether the box around a path extends into a closed part.
 HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& from, const WideVec3& to) {
   const Wide d;
   const auto across = [d](hn::Vec<Wide> a, hn::Vec<Wide> b, Real low, Real high) {

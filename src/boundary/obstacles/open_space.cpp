@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "boundary/obstacles/open_space.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 #include <bit>
@@ -23,7 +23,7 @@ HWY_INLINE unsigned bits_of(Mask mask) {
   return bytes[0];
 }
 
-// Appends the numbers of those that are marked, from the first on.
+// Appends the numbers of the marked lanes, counted from `first`.
 template <class Mask>
 HWY_INLINE std::size_t append(Mask mask, std::size_t first, LocalId* found) {
   std::size_t count = 0;
@@ -32,12 +32,12 @@ HWY_INLINE std::size_t append(Mask mask, std::size_t first, LocalId* found) {
   return count;
 }
 
-// A NaN is not.
+// False for a NaN.
 HWY_INLINE bool is_beyond(const Box& box, const Vec3& p) {
   return (p.array() < box.min.array()).any() || (p.array() > box.max.array()).any();
 }
 
-// Four numbers at a time where there are such vectors; what follows z is of no interest.
+// Four numbers at a time where there are vectors of this width; the number that follows z is not used.
 Box box_around_of(std::span<const Vec3> p, std::size_t each) {
   const std::size_t last = p.size() - 1;
 #if HWY_MAX_BYTES >= 32

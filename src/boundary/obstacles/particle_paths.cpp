@@ -9,13 +9,13 @@ namespace trevi {
 namespace {
 
 constexpr std::size_t nobody = static_cast<std::size_t>(-1);
-/// Cosine of the angle between the normals of two contacts below which they are taken for those of two faces.
+/// Cosine of the angle between the normals of two contacts below which they are taken to be on two different faces.
 constexpr Real same_direction = 0.9;
 
 }  // namespace
 
-// A straight piece of a particle's path, as each obstacle sees it. What moves the particle aside moves it for all of
-// them, so that no two disagree about where it is.
+// A straight piece of a particle's path, as seen from each obstacle. What moves the particle aside moves it for all of
+// them, so that they agree on its position.
 struct Obstacles::Leg {
   struct Contact {
     std::size_t body = nobody;
@@ -24,10 +24,10 @@ struct Obstacles::Leg {
   const std::vector<std::unique_ptr<Body>>& bodies;
   const Walls& walls;
   std::vector<Segment>& segments;
-  std::size_t last_met = nobody;  // what body it met last, and the normal there, in the frame of the body
+  std::size_t last_met = nobody;  // the body that it met last, and the normal there, in the frame of the body
   Vec3 last_normal = Vec3::Zero();
   Vec3 met_at = Vec3::Zero(),
-       met_normal = Vec3::Zero();  // of that contact: the place in the world, the normal as before
+       met_normal = Vec3::Zero();  // of that contact: position in the world, normal as before
 
   const Vec3& here() const { return segments.front().from.in_world; }
   Contact first_contact() const {
@@ -39,7 +39,7 @@ struct Obstacles::Leg {
     }
     return first;
   }
-  /// Goes this part of the leg.
+  /// Moves along this part of the leg.
   void go(Real part) {
     for (Segment& segment : segments) segment.from = segment.at(part);
   }
@@ -59,13 +59,13 @@ struct Obstacles::Leg {
       if (!bodies[k]->is_clear(segments[k].from)) return false;
     return true;
   }
-  /// Off the surface of a body, unless that is into another one.
+  /// Moves off the surface of a body, unless that is into another one.
   void contact_offset(std::size_t body, const Vec3& normal) {
     const Vec3 step = bodies[body]->now().turn * bodies[body]->contact_offset(normal);
     shift(step);
     if (!is_clear()) shift(-step);
   }
-  /// To the wall and away from it in the time that is left of `left`, s: the target from there on.
+  /// Moves to the wall and bounces off it, in the time that remains of `left`, s. Returns the target from there on.
   Vec3 bounce_at_wall(const WallHit& wall, Real& left, Vec3& velocity) {
     const Real part = std::clamp(wall.t / left, 0.0, 1.0);
     left *= 1 - part;
@@ -75,10 +75,10 @@ struct Obstacles::Leg {
     shift(on_wall - here());
     return here() + velocity * left;
   }
-  /// The same at a body, in the frame in which it stands still. Inside a curved wall the bounces would go on for ever,
+  /// The same at a body, in the frame in which it is at rest. Inside a curved wall the bounces would continue for ever
   /// on shorter and shorter chords, and the rest of the path would be lost. From the second contact with it on, the
-  /// wall therefore pushes along the normal of the first one, as far as the end of the path needs: what goes along the
-  /// wall is kept, and so is the angular momentum about its axis.
+  /// wall therefore pushes along the normal of the first contact, as far as the end of the path requires. The motion
+  /// along the wall is conserved, and so is the angular momentum about its axis.
   Vec3 bounce_at_body(const Contact& contact, Real& left, Vec3& velocity) {
     const Body& body = *bodies[contact.body];
     const Segment& segment = segments[contact.body];
@@ -98,7 +98,7 @@ struct Obstacles::Leg {
     velocity = (target - here()) / std::max(left, 1e-300);
     return target;
   }
-  /// Out of the solids that it is in, as those that move may be where a wall has stopped it.
+  /// Moves out of the solids that contain it: moving solids may be where a wall has stopped it.
   void leave() {
     for (std::size_t k = 0; k < segments.size(); ++k) {
       const Vec3 out = bodies[k]->exit_shift(segments[k].from);
@@ -125,8 +125,8 @@ Vec3 Obstacles::predict(Vec3& p, const Vec3& v, Real dt) {
   return end;
 }
 
-// The shift is where it is met, as a ball is not turned by it, and the velocity that comes of it begins with the path:
-// what that has of angular momentum beside the shift's moment is a part of the rest.
+// The shift acts at the point of contact, so that a ball is not turned by it, whereas the resulting velocity begins
+// with the path. The difference in angular momentum is part of the remainder.
 void Obstacles::record_bounce(std::size_t account, const Vec3& shift, const Vec3& p, const Vec3& start) {
   record(account, shift, p);
   if (recording_) record_rest({Vec3::Zero(), (start - p).cross(shift)});
@@ -170,7 +170,7 @@ Vec3 Obstacles::among(Vec3& p, const Vec3& v, Real dt) {
     leg.aim(target);
     record_bounce(account, target - last, leg.here(), p);
   }
-  // Stays where it met something last, and goes with an obstacle.
+  // Stays where it met something last, and moves along with an obstacle.
   const std::size_t met = leg.last_met;
   const bool by_walls = met == nobody;
   const Vec3 stop =
@@ -179,7 +179,7 @@ Vec3 Obstacles::among(Vec3& p, const Vec3& v, Real dt) {
   return stop;
 }
 
-// At a contact the rest of the shift goes on along the surface; what it meets after that ends it.
+// After a contact the rest of the shift continues along the surface; whatever it meets after that ends it.
 Vec3 Obstacles::collide(const Vec3& p, const Vec3& shift) {
   Vec3 target = walls_.collide(p, shift);
   if (!target.allFinite()) return target;

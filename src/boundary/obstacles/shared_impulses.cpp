@@ -1,4 +1,4 @@
-// What obstacles and box have given to the water, as the ledger says, with the rest shared among them.
+// The impulses that obstacles and box have given to the water, from the ledger, with the remainder shared among them.
 #include <Eigen/Geometry>
 #include <algorithm>
 
@@ -29,19 +29,19 @@ Obstacles::Whereabouts Obstacles::whereabouts(std::size_t account) const {
   return {Vec3::Zero(), std::min(half, bodies_[account]->radius())};
 }
 
-// From the point of moments to the line on which an impulse acts, where it is nearest to the middle of the solid; that
-// of a couple is far from all water, and then it is the middle.
+// The vector from the point of reference of moments to the line along which an impulse acts, where this is nearest to
+// the centre of the solid. The line of a couple is far from all water; then it is the vector to the centre.
 Vec3 Obstacles::arm_of(std::size_t account, const Vec3& shift, const Vec3& moment) const {
   const auto [middle, reach] = whereabouts(account);
   const Vec3 arm = shift.cross(moment - middle.cross(shift)) / shift.squaredNorm();
   return arm.norm() <= reach ? Vec3(middle + arm) : middle;
 }
 
-// What the rest is shared by: what each account gave of itself.
+// The basis for sharing the remainder: what each account gave by itself.
 struct Obstacles::Sharing {
   TotalImpulse rest;
   std::vector<TotalImpulse> own;
-  // Bodies that are light would be turned by a share: they have it along axes along which nobody else takes anything.
+  // A share would turn light bodies: they get one only along axes along which nothing else takes anything.
   std::array<bool, 3> by_fixed{};
 };
 
@@ -49,10 +49,11 @@ bool Obstacles::has_share(const Sharing& sharing, std::size_t account, Eigen::In
   return !sharing.by_fixed[static_cast<std::size_t>(axis)] || !floating_->holds(account);
 }
 
-// It is of all the water, wherever that is, so that a share acts where what it goes by does. Errors are parts of what
-// each gave, and those that make the sum right and are the most likely ones go by its squares; along each axis for
-// itself, as walls that carry the weight of the water take nothing along the floor, but along all where nobody gave
-// anything along that one. The box has it where nobody gave anything. Returns the moment that the shares leave over.
+// The remainder belongs to all of the water, wherever that is, so a share acts where the impulse acts on which it is
+// based. Errors are fractions of what each account gave, and the most likely errors that make the sum correct are in
+// proportion to its squares. This is done for each axis separately, because walls that carry the weight of the water
+// take nothing along the floor, but for all axes together where no account gave anything along an axis. The box gets
+// the remainder if no account gave anything. Returns the moment that the shares leave over.
 Vec3 Obstacles::share_rest(const Sharing& sharing, std::vector<TotalImpulse>& all) const {
   Eigen::Array3d along = Eigen::Array3d::Zero(), in_all = Eigen::Array3d::Zero();  // squares of those that share
   for (std::size_t k = 0; k < all.size(); ++k) {
@@ -83,9 +84,9 @@ Vec3 Obstacles::share_rest(const Sharing& sharing, std::vector<TotalImpulse>& al
   return couple;
 }
 
-// About each axis for itself, by the squares of what moments each gave, and of a part of what its force might have: a
-// basin at rest gives large forces and no moment, and its errors are not those of what is in it. It is nobody's where
-// only bodies that float gave anything.
+// For each axis separately, in proportion to the squares of the moment that each account gave, and of a fraction of
+// what its force might give: a basin at rest gives large forces and no moment, and its errors are not those of its
+// contents. The couple belongs to no account if only floating bodies gave anything.
 void Obstacles::share_couple(const Sharing& sharing, const Vec3& couple, std::vector<TotalImpulse>& all) const {
   constexpr Real part_of_force = 0.1;
   const auto own_of = [&](std::size_t k, Eigen::Index axis) -> Real {
@@ -105,8 +106,8 @@ void Obstacles::share_couple(const Sharing& sharing, const Vec3& couple, std::ve
   }
 }
 
-// Along which axes what stands takes the rest: not where bodies that float gave ten times as much, and more than all
-// that stands gave along any axis, as under a jet in the air that drips on the floor.
+// The axes along which fixed solids take the remainder: not where floating bodies gave ten times as much, and more than
+// all fixed solids gave along any axis, as under a jet in the air that drips on the floor.
 std::array<bool, 3> Obstacles::are_by_fixed(const std::vector<TotalImpulse>& all) const {
   constexpr Real hardly = 0.1;
   std::array<bool, 3> result{};

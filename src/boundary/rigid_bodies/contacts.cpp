@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t nearest_points = 8, spread_points = 8;  // of a pair of solids
 constexpr int rounds = 200;
 constexpr Real settled = 1e-9;   // of all impulses, when a round changes no more
-constexpr Real slack = 0.1;      // spacings: what is nearer is looked at, however slow
+constexpr Real slack = 0.1;      // spacings: what is nearer is examined, however slow
 constexpr Real push_out = 0.25;  // of an overlap, in a substep
 
 bool is_convex(const ObstacleSettings& solid) {
@@ -88,8 +88,8 @@ Real gap_to(const Box& box, int axis, int side, const Vec3& p) {
 
 }  // namespace
 
-// A body that begins beyond a wall, along an axis on which it is not free, has its bearing there: pushed out of the
-// wall it would turn by what cannot be put right.
+// A body that initially extends beyond a wall, along an axis along which it is not free, has its bearing there: if it
+// were pushed out of the wall, an overlap that cannot be removed would turn it.
 void Contacts::note_walls_reached_through(const BodySettings& body) {
   const Pose start = BodyMotion(body).at(0);
   constexpr Real rounding = 1e-9;  // spacings
@@ -101,7 +101,7 @@ void Contacts::note_walls_reached_through(const BodySettings& body) {
                       [&](const Vec3& p) { return gap_to(box_, a, side, start.into_world(p)) < -rounding * spacing_; });
 }
 
-// For bodies that are not round. An obstacle that begins within a body is its bearing.
+// For bodies that are not round. An obstacle that initially extends into a body is its bearing.
 void Contacts::find_edges(const Settings& settings) {
   constexpr Real around = 0.1;  // spacings
   edges_.resize(first_);
@@ -143,7 +143,7 @@ void Contacts::find(const std::vector<RigidBody>& bodies, Real dt) {
 
 namespace {
 
-// How far anything of it may come in a substep.
+// The largest distance that any point of the body may move in a substep.
 Real reach_of(const RigidBody& body, Real radius, Real dt) {
   return (along_of(body.twist()).norm() + about_of(body.twist()).norm() * radius) * dt;
 }
@@ -167,9 +167,9 @@ void Contacts::find_walls(const std::vector<RigidBody>& bodies, std::size_t k) {
   }
 }
 
-// What of body k is nearer than `margin` to something: of what is round of it, where it is nearest. Something convex
-// has one such place for each ball. The normal is taken from within what is round: on an edge, or just inside, that of
-// the solid is a face's, which would make a ball spin that has no friction.
+// The points of body k nearer than `margin` to something; of a round part, its nearest point. A convex solid has one
+// such point for each ball. The normal is taken at a point inside the round part: on an edge, or just inside, the
+// normal of the solid is that of a face, which would make a frictionless ball spin.
 template <class Gap, class Normal>
 std::vector<Contacts::Near> Contacts::near_points(std::size_t k, bool convex, Real margin, const Gap& gap_of,
                                                   const Normal& normal_at) const {
@@ -209,8 +209,8 @@ std::vector<Contacts::Near> Contacts::near_points(std::size_t k, bool convex, Re
   return near;
 }
 
-// Edges of an obstacle that are near to a body between the points of its own surface, as the top of a thin wall may be
-// that a box falls on. What is round finds edges by itself.
+// Edges of an obstacle near a body, between the points of the body's own surface, such as the top of a thin wall on
+// which a box falls. Round bodies find edges by themselves.
 void Contacts::append_edges(std::size_t k, std::size_t obstacle, Real margin, std::vector<Near>& near) const {
   if (round_[k].radius > 0) return;
   const Body& own = *(*all_)[first_ + k];
@@ -225,7 +225,7 @@ void Contacts::append_edges(std::size_t k, std::size_t obstacle, Real margin, st
   }
 }
 
-// Points of body k near another solid. A ball finds all that is convex, which need not find it.
+// Points of body k near another solid. A ball finds every convex solid, which need not find the ball.
 void Contacts::find_solid(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t solid) {
   if (is_ball_[solid] && (is_ball_[first_ + k] ? solid < first_ + k : is_convex_[first_ + k])) return;
   const Body &own = *(*all_)[first_ + k], &other = *(*all_)[solid];
@@ -250,8 +250,8 @@ void Contacts::find_solid(const std::vector<RigidBody>& bodies, std::size_t k, s
   add(bodies, k, solid < first_ ? nobody : solid - first_, near, {std::min(e, e_other), std::max(mu, mu_other)});
 }
 
-// The nearest of them, and of the others those that are furthest from each other: a face on a floor stands on all of
-// its corners.
+// Keeps the nearest points, and of the others those that are furthest apart: a face on a floor stands on all of its
+// corners.
 void Contacts::keep_few(std::vector<Near>& near) {
   std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.gap < b.gap; });
   std::vector<Real> apart(near.size(), 1e300);
@@ -267,15 +267,16 @@ void Contacts::keep_few(std::vector<Near>& near) {
   near.resize(std::min(near.size(), nearest_points + spread_points));
 }
 
-// The speed apart at the end of a substep that began with the speed v together at a distance, after a bounce on the way
-// under the acceleration a. Then they rise as high as if they had bounced when they met, though they have moved by that
-// speed all the time: by the speed v times the restitution alone a ball would rise by v dt more, and gain energy.
+// The separation speed at the end of a substep that began at a distance with the approach speed v, after a bounce on
+// the way, under the acceleration a. Bodies then rise as high as if they had bounced when they met, although they have
+// moved at this speed all the time. With only the speed v times the restitution, a ball would rise by v dt more and
+// gain energy.
 Real Contacts::rebound(Real restitution, Real v, Real a, Real distance) const {
   const Real lost = a * dt_, fall = 2 * a * distance;
   return std::sqrt(std::max(lost * lost + restitution * restitution * (v * v + fall) - fall, 0.0)) - lost;
 }
 
-// What the bodies have to do there.
+// Adds the contacts, each with the motion that it requires of the bodies.
 void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::size_t other, std::vector<Near>& near,
                    const std::pair<Real, Real>& restitution_and_friction) {
   keep_few(near);
@@ -305,7 +306,7 @@ void Contacts::add(const std::vector<RigidBody>& bodies, std::size_t k, std::siz
   }
 }
 
-// Of the contact's place away from the other solid, m/s.
+// Velocity of the contact point away from the other solid, m/s.
 Real Contacts::velocity_of(const Contact& contact, std::size_t along, const std::vector<Six>& twists) {
   const Real velocity = dot(contact.arm[along], twists[contact.body]) - contact.surface[along];
   return contact.other == nobody ? velocity : velocity - dot(contact.against[along], twists[contact.other]);
@@ -323,15 +324,15 @@ Real Contacts::set_impulse(Contact& contact, std::size_t along, Real total, std:
   return step;
 }
 
-// What it takes to come apart as fast as it must.
+// Gives the impulse with which the bodies separate as fast as they must.
 Real Contacts::push(Contact& contact, std::vector<Six>& twists) {
   if (contact.mobility[0] <= 0) return 0;
   const Real more = (contact.least - velocity_of(contact, 0, twists)) / contact.mobility[0];
   return set_impulse(contact, 0, std::max(contact.impulse[0] + more, 0.0), twists);
 }
 
-// What it takes to stay, within Coulomb's cone; what slides is braked against its way, as both tangents take the same
-// share of the velocity.
+// Gives the impulse with which the contact sticks, within Coulomb's cone. Sliding is braked opposite to its direction,
+// because both tangents take the same fraction of the velocity.
 std::array<Real, 2> Contacts::brake(Contact& contact, std::vector<Six>& twists) {
   const Real mobility = std::max(contact.mobility[1], contact.mobility[2]);
   if (contact.friction == 0 || mobility <= 0) return {};

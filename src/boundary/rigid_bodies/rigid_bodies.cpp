@@ -10,18 +10,18 @@ namespace trevi {
 
 namespace {
 
-// Sums of what bodies meet are integers, multiples of 2^-30: of speeds times dt over h, of squares of normals and of
+// Sums over what bodies meet are integers, multiples of 2^-30: of speeds times dt over h, of squares of normals and of
 // arms in their unit.
 constexpr int fine = 30;
 
-// h, or for a wide body so much that no arm is more than this many units long: 64 bits hold the squares of the arms of
-// as many particles as meet it at a time.
+// h, or for a wide body large enough that no arm is longer than this many units: 64 bits hold the squares of the arms
+// of as many particles as meet it at a time.
 constexpr Real longest_arm = 64;
 Real arm_unit_of(Real radius, Real h) { return std::ldexp(h, std::max(0, std::ilogb(radius / (longest_arm * h)) + 1)); }
 
-// What the water of a drop, or water that falls around it, gives to a body leaves it in free fall.
+// The impulse that a body gets from a drop of water, or from water that falls around it, leaves it in free fall.
 RigidBody::Push push_of(const Six& given, Real by_weight) {
-  constexpr Real little = 0.1;  // of what its weight gives it
+  constexpr Real little = 0.1;  // fraction of what its weight gives it
   if (dot(given, given) == 0) return RigidBody::Push::none;
   return along_of(given).norm() < little * by_weight ? RigidBody::Push::little : RigidBody::Push::full;
 }

@@ -17,7 +17,7 @@ Quaternion normalised(const Quaternion& q) {
   return {q[0] / length, q[1] / length, q[2] / length, q[3] / length};
 }
 
-// Turned about the axes of the world by what the vector says: an axis times the tangent of half the angle.
+// Rotated about the axes of the world by a vector: an axis times the tangent of half the angle.
 Quaternion turned(const Quaternion& q, const Vec3& t) {
   return normalised(
       {q[0] - t.x() * q[1] - t.y() * q[2] - t.z() * q[3], q[1] + t.x() * q[0] + t.y() * q[3] - t.z() * q[2],
@@ -34,7 +34,7 @@ Mass6 mass_matrix(Real mass, const Rotation& inertia) {
   return all;
 }
 
-// Projects on the axes of revolution of a shape, in its frame.
+// The projection onto the axes of revolution of a shape, in its frame.
 Rotation axes_of_revolution(const BodySettings& body) {
   if (body.shape == ShapeKind::sphere) return Rotation::Identity();
   const bool round_about_z = body.shape == ShapeKind::cylinder || body.shape == ShapeKind::capsule ||
@@ -42,9 +42,9 @@ Rotation axes_of_revolution(const BodySettings& body) {
   return round_about_z ? Rotation(Vec3::Unit(2) * Vec3::Unit(2).transpose()) : Rotation(Rotation::Zero());
 }
 
-// The water that each piece of the surface takes along is as thick as for a ball, of which the added mass is half of
-// the water that it displaces. Exact for a ball; of a disc, it is 0.8 of what the theory has. Triangles may be as large
-// as the sides of a box; the mean over the middles of their edges is exact for squares of the arms.
+// The water that each piece of the surface carries along is as thick as for a ball, whose added mass is half of the
+// water that it displaces. This is exact for a ball; for a disc it is 0.8 of the theoretical value. Triangles may be as
+// large as the sides of a box; the mean over the midpoints of their edges is exact for squares of the arms.
 Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water) {
   Mass6 sum{};
   Real whole = 0;
@@ -75,7 +75,7 @@ Rotation rotation_of(const Quaternion& q) {
   return turn;
 }
 
-// By the largest of the four (Shepperd, J. Guidance Control 1, 1978).
+// From the largest of the four components (Shepperd, J. Guidance Control 1, 1978).
 Quaternion quaternion_of(const Rotation& t) {
   const std::array<Real, 4> squares{1 + t(0, 0) + t(1, 1) + t(2, 2), 1 + t(0, 0) - t(1, 1) - t(2, 2),
                                     1 - t(0, 0) + t(1, 1) - t(2, 2), 1 - t(0, 0) - t(1, 1) + t(2, 2)};
@@ -144,7 +144,8 @@ Six RigidBody::mooring_force() const {
   return six_of(force, here.arm.cross(force));
 }
 
-// What a pull of 1 N s makes of the velocity of the hook is a symmetric matrix; its largest eigenvalue is 1 over that.
+// The response of the hook's velocity to a pull of 1 N s is a symmetric matrix; its largest eigenvalue is 1 over this
+// mass.
 Real RigidBody::mass_at_mooring() const {
   const Rotation turn = rotation_of(state_.orientation);
   const Mass6 mass = mass_matrix(mass_, inertia_at(turn));
@@ -189,7 +190,7 @@ void RigidBody::begin(Real dt) {
   pull_ = mooring_ ? mooring_force() : Six{};
   if (mooring_) momentum_ = plus(momentum_, pull_, dt);
   const Six expected = plus(momentum_, state_.last_force, dt);
-  // The twist is that of the orientation midway, which it leads to itself.
+  // The twist is that at the orientation midway, to which it itself leads.
   constexpr int rounds = 6;
   Rotation middle = rotation_of(state_.orientation);
   for (int k = 0; k < rounds; ++k) {
@@ -220,14 +221,14 @@ Vec3 RigidBody::about_axes_of_revolution(const Vec3& vector) const {
   return turn * (revolution_ * (turn.transpose() * vector));
 }
 
-// How much of the answer `found` counts, the rest being that of the water as it is `known`, so that the answer is none
-// of more than `most` times what `wide` stands for: what noise or another body did to the pressure may stand at a right
-// angle to the step, and would make an added mass without bound of it.
+// The fraction of the response `found` that counts; the rest is `known`, the response of the water as estimated. With
+// it the response corresponds to no more than `most` times what `wide` represents. The effect of noise or of another
+// body on the pressure may be perpendicular to the step, and would lead to an unbounded added mass.
 Real RigidBody::part_that_counts(const Six& step, const Six& found, const Six& known, const Mass6& wide) const {
   constexpr Real most = 100;
   const auto weighed = [&](const Six& a) { return solved(wide, a, free_); };
   const Six more = plus(found, known, -1), weighed_more = weighed(more);
-  // A parabola in that part, which is 0 where the answer is just as much.
+  // A quadratic function of this fraction, which is 0 where the response is exactly this large.
   const Real square = dot(more, weighed_more), slope = 2 * dot(known, weighed_more) - most * dot(step, more),
              none = dot(known, weighed(known)) - most * dot(step, known);
   if (square + slope + none <= 0) return 1;
@@ -235,9 +236,9 @@ Real RigidBody::part_that_counts(const Six& step, const Six& found, const Six& k
   return (std::sqrt(slope * slope - 4 * square * none) - slope) / (2 * square);
 }
 
-// The formula of Broyden, Fletcher, Goldfarb and Shanno keeps the matrix positive; Powell's damping keeps it so where
-// the answer grows with the twist, and a second one keeps it bounded (Goldfarb, Ren & Bahamou, 2020). An estimate is
-// good enough when it is half of what it stands for.
+// The formula of Broyden, Fletcher, Goldfarb and Shanno keeps the matrix positive. Powell's damping keeps it so where
+// the response grows with the twist, and a second damping keeps it bounded (Goldfarb, Ren & Bahamou, 2020). An estimate
+// is good enough if it is half of the true value.
 void RigidBody::hear(const Six& pressure) {
   if (answers_ > 0) {
     const Six step = plus(twist_, asked_, -1), known = times(added_, step);
@@ -262,7 +263,7 @@ void RigidBody::hear(const Six& pressure) {
   answer_ = pressure;
 }
 
-// In the air: by the momentum midway between the kicks of gravity and the mooring (velocity Verlet).
+// In the air: from the momentum midway between the kicks of gravity and the mooring (velocity Verlet).
 Six RigidBody::mean_twist() const {
   const Six outside = plus(six_of(mass_ * gravity_, Vec3::Zero()), pull_);
   return solved(inertia_, plus(momentum_, outside, -dt_ / 2), free_);
@@ -285,8 +286,8 @@ void RigidBody::finish(Push push) {
   for (int a = 0; a < 3; ++a)
     state_.position[a] +=
         dt_ * twist_[static_cast<std::size_t>(a)] - (free_[static_cast<std::size_t>(a)] ? fall[a] : 0);
-  // What is learnt is forgotten, slowly, as answers that noise has made small would else add up to an estimate that is
-  // none along some axis, and then to one that is not positive.
+  // What has been learnt is slowly forgotten. Otherwise responses that noise has made small would add up to an estimate
+  // that vanishes along some axis, and then to one that is not positive.
   constexpr Real forgotten = 0.02;
   state_.added_mass = turned(added_, rotation_of(state_.orientation).transpose());
   if (answers_ > 0) {

@@ -34,7 +34,7 @@ Real along_line(const Kernel& kernel, Real h, Real z) {
   return sum * part;
 }
 
-// V(d) = ∫_d^h of what the kernel is on the line at that distance.
+// V(d) = ∫_d^h of the integral of the kernel along the line at that distance.
 void sum_disc(const Kernel& kernel, Real h, std::vector<Real>& fraction) {
   const Real step = h / steps;
   Real sum = 0, above = along_line(kernel, h, h);
@@ -48,7 +48,7 @@ void sum_disc(const Kernel& kernel, Real h, std::vector<Real>& fraction) {
 
 }  // namespace
 
-// V(0) = ½ gives the factor.
+// V(0) = ½ determines the factor.
 PlaneVolume::PlaneVolume(const Kernel& kernel, Real h) : h_(h), fraction_(steps + 1, 0.0) {
   kernel.dimensions == 2 ? sum_disc(kernel, h, fraction_) : sum_ball(kernel, h, fraction_);
   const Real per = 0.5 / fraction_.front();

@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "boundary/volume_map/spline.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 #include <array>
@@ -15,13 +15,13 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Vectors of two doubles take as long as one by one.
+// Vectors of two doubles are no faster than single numbers.
 #if HWY_MAX_BYTES >= 32
 
 using Four = hn::FixedTag<double, 4>;
 using FourReals = hn::Vec<Four>;
 
-// What each of the four nodes along an axis weighs, or the derivatives of that: by node, then by axis.
+// The weights of the four nodes along each axis, or the derivatives of these: by node, then by axis.
 using Weights = std::array<std::array<Real, 4>, 4>;
 
 HWY_INLINE FourReals by_axis(const Vec3& at) {
@@ -51,7 +51,7 @@ HWY_INLINE void find_slopes(FourReals t, Weights& slopes) {
   store(hn::Mul(t, hn::Add(number(-1), thrice)), 3);
 }
 
-// Of the j-th rows of four planes along x.
+// Interpolates along x in the j-th rows of four planes.
 HWY_INLINE FourReals along_x(const SplineNodes& nodes, std::size_t j, const Weights& of) {
   const Four d;
   const Real* const row = nodes.first + j * nodes.row;
@@ -65,7 +65,7 @@ HWY_INLINE FourReals along_x(const SplineNodes& nodes, std::size_t j, const Weig
       hn::Add(part(2, hn::ConcatUpperUpper(d, even_up, even)), part(3, hn::ConcatUpperUpper(d, odd_up, odd))));
 }
 
-// A lane for each plane of nodes.
+// One lane for each plane of nodes.
 SplineValue interpolate_of(const SplineNodes& nodes, const Vec3& at, Real flat) {
   const Four d;
   const FourReals t = by_axis(at);
@@ -97,7 +97,7 @@ SplineValue interpolate_of(const SplineNodes& nodes, const Vec3& at, Real flat) 
 
 #else
 
-// What each of four nodes weighs at t between the second and the third, and the derivatives.
+// The weights of four nodes at t between the second and the third one, and their derivatives.
 struct Spline {
   std::array<Real, 4> value, slope;
 };

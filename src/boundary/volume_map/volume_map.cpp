@@ -9,8 +9,8 @@ namespace trevi {
 
 namespace {
 
-// Of the kernel over a cell that begins at `corner`, by 4³ points: its peak is sharp. Of a kernel in the plane across
-// coordinate `along` only the cells on both sides of it have any.
+// The mean of the kernel over a cell that begins at `corner`, from 4³ points because its peak is sharp. Of a kernel in
+// the plane across coordinate `along`, only the cells on both sides of this plane have any.
 Real mean_over_cell(const Kernel& kernel, const Vec3& corner, Real size, Real h, std::optional<Eigen::Index> along) {
   constexpr int parts = 4;
   Real sum = 0;
@@ -31,7 +31,7 @@ Real VolumeMap::min_bytes(const Box& bounds, Real h) {
   return 2 * sizeof(void*) * ((bounds.max - bounds.min).array() / brick + 1).prod();
 }
 
-// The outermost blocks are as far from the surface as one has to see.
+// The outermost blocks are as far from the surface as is ever needed.
 VolumeMap::VolumeMap(const Shape& shape, const Kernel& kernel, Real h, const std::optional<Fixed>& fixed)
     : shape_(shape),
       fixed_(fixed),
@@ -63,8 +63,8 @@ void VolumeMap::weigh_cells(const Kernel& kernel) {
   for (Weight& one : weights_) one.weight /= sum;
 }
 
-// Clamping to the box makes no distance larger, so it stays a safe one. To a little inside of the box, as the face on
-// which a solid stands would else count as half solid.
+// Clamping to the box increases no distance, so that it remains a safe one. Positions are clamped to slightly inside
+// the box, because the face on which a solid stands would otherwise count as half solid.
 Real VolumeMap::solid_distance(const Vec3& p) const {
   if (!fixed_) return shape_.distance(p);
   const Vec3 world = fixed_->pose.into_world(p);
@@ -73,7 +73,7 @@ Real VolumeMap::solid_distance(const Vec3& p) const {
   return shape_.distance(in_box == world ? p : fixed_->pose.into_body(in_box));
 }
 
-// Of a cube that the surface meets: in 27 parts, each cut as by a plane.
+// For a cube that the surface meets: in 27 parts, each treated as if cut by a plane.
 Real VolumeMap::cut_fraction(const Vec3& middle, Real size) const {
   constexpr int parts = 3;
   Real sum = 0;
@@ -88,7 +88,7 @@ Real VolumeMap::cut_fraction(const Vec3& middle, Real size) const {
   return sum / (parts * parts * parts);
 }
 
-// By groups of 4³ cells, most of which the surface does not meet.
+// In groups of 4³ cells, most of which the surface does not meet.
 void VolumeMap::fill_cells(const Vec3& corner, Cells& cells) const {
   constexpr int group = 4;
   const Real cell = node_ / fine;
@@ -133,7 +133,7 @@ const VolumeMap::Nodes& VolumeMap::nodes_at(const BlockPlace& place) const {
   return nodes_.at(place, [&] { return make_nodes(place); });
 }
 
-// The cells that the nodes of a block see; false where all of the blocks around are empty, or all full.
+// Gathers the cells that the nodes of a block see; false if all of the surrounding blocks are empty, or all full.
 bool VolumeMap::gather(const BlockPlace& place, Window& window_cells, Kind& kind) const {
   std::array<const Cells*, 27> around;
   for (int k = 0; k < 27; ++k) {
@@ -162,7 +162,7 @@ bool VolumeMap::gather(const BlockPlace& place, Window& window_cells, Kind& kind
   return true;
 }
 
-// Near h, where the fraction says hardly anything any more, the distance of the surface takes its place.
+// Near h, where the fraction says hardly anything any more, it is replaced by the distance of the surface.
 Real VolumeMap::plane_distance(Real fraction, const Vec3& node) const {
   constexpr Real begin = 0.8;  // of h
   const Real d = plane_.distance(std::clamp(fraction, 0.0, 1.0));
@@ -181,7 +181,7 @@ std::unique_ptr<VolumeMap::Nodes> VolumeMap::make_nodes(const BlockPlace& place)
   for (int z = 0; z < nodes; ++z) {
     for (int y = 0; y < nodes; ++y) {
       const std::ptrdiff_t row = (z * window + y) * fine * (window / 2);
-      std::array<Real, nodes> fraction{};  // of the nodes of a row at once, which takes vectors
+      std::array<Real, nodes> fraction{};  // of all nodes of a row at once, in vectors
       for (const Weight& one : weights_) {
         const Real* from = cells[one.odd].data() + row + one.offset;
         for (std::size_t x = 0; x < nodes; ++x) fraction[x] += one.weight * from[x];

@@ -39,7 +39,7 @@ std::optional<WrongMember> in_numbers(const WavemakerSettings& w) {
   return std::nullopt;
 }
 
-// McCowan's limit of a solitary wave, Miche's of regular ones.
+// McCowan's limit for a solitary wave, Miche's for regular waves.
 std::optional<WrongMember> in_height(const WavemakerSettings& w) {
   constexpr Real mccowan = 0.78, miche = 0.142;
   Real highest = mccowan * w.depth;

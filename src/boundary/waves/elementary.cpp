@@ -13,7 +13,7 @@ constexpr Real ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
 
 }  // namespace
 
-// By Taylor's series after the powers of two are taken out, for |r| up to ln 2 / 2, where what is left out is below
+// By Taylor series, after powers of two have been taken out, for |r| up to ln 2 / 2, where the omitted terms are below
 // 1e-17.
 Real exp(Real x) {
   constexpr Real largest = 700;

@@ -41,9 +41,10 @@ Real PaddleMotion::displacement(Real time) const {
   return wavemaker_.ramp > 0 ? smooth_step(time / wavemaker_.ramp) * sum : sum;
 }
 
-// Goring's equation, dxi/dt = c eta/(d + eta): the paddle goes with the water of the wave that passes it, so that xi is
-// way(tanh kappa (c t − xi)). It starts where tanh is −0.999, and the rest of the stroke is scaled up so that there is
-// no jump. The middle of the stroke is its rest. Newton's method converges from the last two digits on by itself.
+// Goring's equation, dxi/dt = c eta/(d + eta): the paddle moves with the water of the wave that passes it, so that xi
+// is way(tanh kappa (c t − xi)). It starts where tanh is −0.999, and the rest of the stroke is scaled up so that there
+// is no jump. The middle of the stroke is its rest position. Newton's method converges from the last two digits on by
+// itself.
 Real PaddleMotion::solitary(Real time) const {
   const SolitaryWave wave(wavemaker_.height, wavemaker_.depth, wavemaker_.gravity);
   const Real duration = wave.duration(), half = wave.stroke() / 2;

@@ -15,7 +15,7 @@ constexpr Real two_pi = 2 * std::numbers::pi;
 
 }  // namespace
 
-// Newton's method from Eckart's approximation, which is within 5 %.
+// Newton's method, starting from Eckart's approximation, which is within 5 %.
 Real wave_number(Real omega, Real depth, Real gravity) {
   const Real deep = omega * omega * depth / gravity;
   Real kd = deep / std::sqrt(elementary::tanh(deep));
@@ -27,7 +27,7 @@ Real wave_number(Real omega, Real depth, Real gravity) {
   return kd / depth;
 }
 
-// Hyperbolic functions over their largest term, so that deep water does not overflow.
+// Hyperbolic functions divided by their largest term, so that deep water does not overflow.
 Real biesel_transfer(PaddleKind kind, Real kd) {
   const Real e = elementary::exp(-2 * kd), e2 = e * e;
   const Real below = (1 - e2) / 2 + 2 * kd * e;  // (sinh 2kd + 2kd) e^(-2kd)
@@ -79,7 +79,7 @@ SolitaryWave::SolitaryWave(Real height, Real depth, Real gravity) : steepness(he
   c = 101 * e * e * e / 400;
 }
 
-// From T = −0.999 to 0.999, about.
+// From T = −0.999 to 0.999, approximately.
 Real SolitaryWave::duration() const {
   constexpr Real half_width = 3.8;
   return 2 / (kappa * celerity) * (half_width + steepness);

@@ -25,7 +25,7 @@ Real lambda(const DensityModel& model, Real least, Real rho, const Vec3& gradien
   return 0 - c / std::max(gradient.squaredNorm() + neighbours + model.epsilon, 1e-30);
 }
 
-// What is needed after the pair loop of these particles comes from memory while the loop works.
+// Prefetches, while the pair loop of these particles runs, what is needed after it.
 template <class V>
 void prefetch(std::span<const V> here) {
   const auto bytes = std::as_bytes(here);
@@ -42,8 +42,8 @@ std::span<const Vec3> part_of(std::span<const Vec3> field, Range range) {
 
 constexpr auto all_of_them = [](std::size_t) { return true; };
 
-// visit(i, wall, what obstacles contribute) for the particles of the range, at most sums_chunk, that are near a wall,
-// or an obstacle, and of which wants(i) holds.
+// Calls visit(i, wall, contribution of obstacles) for those particles of the range, at most sums_chunk, that are near a
+// wall or an obstacle and for which wants(i) holds.
 template <class T>
 template <class Wants, class Visit>
 void DensityConstraint<T>::for_each_near_wall(Range range, std::span<const Vec3> p, const Wants& wants,
@@ -95,7 +95,7 @@ BoundaryDensity together(const BoundaryDensity& box, Wall wall, const BoundaryDe
 
 }  // namespace
 
-// By what lambdas() wrote there: the gradient where it is the box's own.
+// Uses what lambdas() wrote there: the gradient, where it is due to the box alone.
 template <class T>
 void DensityConstraint<T>::record_obstacles(Range range, const Packed<T>* records, std::span<const Vec3> p,
                                             const WallsOrShifts<T>& field) const {
@@ -149,7 +149,7 @@ void DensityConstraint<T>::densities(const Pairs<T>& pairs, Range range, std::sp
   });
 }
 
-// First as if all particles were far from walls, without a branch; then those near them, a few, once more.
+// First as if all particles were far from walls, without a branch; then once more for the few that are near them.
 template <class T>
 void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                    const Lambdas& out) const {
@@ -178,8 +178,9 @@ void DensityConstraint<T>::lambdas(const Pairs<T>& pairs, Range range, std::span
   });
 }
 
-// A multiplier also holds what was pressed together without any motion, where the projection alone moves the water: a
-// wall that gave it back as velocity would throw. As this makes velocities, water behind the wall pushes, too.
+// Where the projection alone moves the water, a multiplier also contains what was pressed together without any motion.
+// A wall that returned this as velocity would throw particles. Because this function makes velocities, water behind the
+// wall pushes, too.
 template <class T>
 void DensityConstraint<T>::deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p,
                                             std::span<const Vec3> velocity, Real dt, WallsOrShifts<T>& field) const {

@@ -12,11 +12,12 @@ namespace {
 
 constexpr Real pi = std::numbers::pi;
 
-// Of the moment behind a frictionless wall. A vortex between such walls keeps its rate best with it; with all of it
-// water along the wall lacks friction, without it water across has too much (tests/fluid/test_viscosity.cpp).
+// Fraction of the moment behind a frictionless wall. A vortex between such walls keeps its rate best with it. With all
+// of the moment, water moving along the wall lacks friction; without it, water moving across has too much
+// (tests/fluid/test_viscosity.cpp).
 constexpr Real share_behind_frictionless = 0.72;
 
-// ∫ F x² over what lies behind a plane u away, x in h, over the volume, or the area.
+// ∫ F x² over the volume, or in two dimensions the area, behind a plane at distance u; x in units of h.
 Real moment_behind_plane(Real u, int dimensions) {
   const Real c2 = 1 - u * u, c = std::sqrt(c2), c3 = c2 * c, c5 = c3 * c2;
   const Real fifth = 5 * (pi / 2 - std::asin(u)) / 16 - u * (c5 / 6 + 5 * c3 / 24 + 5 * c / 16);  // ∫ c⁵ du to 1
@@ -33,14 +34,14 @@ ViscousWalls::ViscousWalls(Real nu, bool no_slip, const PointLattice& lattice, R
   const Real particles = u * u * (dimensions_ == 2 ? 1 : u);  // in h³, or h²
   factor_ = nu / moment * particles * (dimensions_ == 2 ? 16.0 / 105 : 2 * pi / 35);
   per_moment_ = particles * h * h / (2 * dimensions_ * moment) * (no_slip ? 1 : share_behind_frictionless);
-  least_ = lattice.spacing / 8;  // a particle that is pushed against the wall is not there for ever
+  least_ = lattice.spacing / 8;  // a particle that is pushed against the wall does not stay there for ever
 }
 
 bool ViscousWalls::may_be_near(const Vec3& p) const {
   return obstacles_ || (p - box_.min).minCoeff() < h_ || (box_.max - p).minCoeff() < h_;
 }
 
-// visit(account, distance, normal into the water, displacement in the substep of what goes with the wall at p).
+// Calls visit(account, distance, normal into the water, displacement in the substep of what moves with the wall at p).
 template <class Visit>
 void ViscousWalls::for_each_near(const Vec3& p, const Visit& visit) const {
   if (!may_be_near(p)) return;
@@ -69,7 +70,7 @@ Real ViscousWalls::moment_behind(const Vec3& p) const {
   return per_moment_ * sum;
 }
 
-// 1/s, along the normal and across it.
+// The rates, 1/s, along the normal and perpendicular to it.
 Eigen::Matrix3d ViscousWalls::pull(Real distance, const Vec3& normal) const {
   const Real u = std::max(distance, least_) / h_, rest = std::max(1 - u * u, 0.0);
   const Real rate = factor_ * rest * rest * rest * std::sqrt(rest) / u;

@@ -12,13 +12,13 @@ namespace trevi {
 
 namespace {
 
-// The least M_i that is taken, and the moment along an axis with which a gradient has half of that of a fit, over those
-// of the lattice. The top layer of a lattice has 0.59 to 0.68 of its M, an edge 0.34 to 0.45.
+// The smallest M_i that is used, and the moment along an axis for which a gradient has half the value of a fit, both
+// relative to those of the lattice. The top layer of a lattice has 0.59 to 0.68 of its M, an edge 0.34 to 0.45.
 constexpr Real min_second_moment = 0.5, deficient_moment = 0.05;
-// Of the sums in water however disordered, over nu/M Σ_lattice F: 1.1 to 2.1.
+// Largest eigenvalue of the sums in water of any disorder, relative to nu/M Σ_lattice F: 1.1 to 2.1.
 constexpr Real largest_eigenvalue = 2.3;
 
-// use(i, Σ) for each own particle i, the sums being those of a pair loop.
+// Calls use(i, Σ) for each owned particle i with the sums of a pair loop.
 template <class T, class Loop, class Use>
 void for_each_vector(const Neighbourhood<T>& near, const Loop& loop, const Use& use) {
   for_each_sum<Vec4<T>>(near.all(), loop, [&](Range here, const Vec4<T>* sum) {
@@ -34,8 +34,9 @@ Matrix rows_of(const Vec3& x, const Vec3& y, const Vec3& z) {
   return rows;
 }
 
-// The moments Σ F u u, and the slopes of a velocity that is linear, by least squares. Where neighbours lie in a plane,
-// or on a line, there is none across it: along an axis with the moment m it is m²/(m² + deficient²) of that of the fit.
+// The moments Σ F u u, and by least squares the gradient of a velocity that is linear. Where neighbours lie in a plane
+// or on a line, there is no gradient across it: along an axis with the moment m it is m²/(m² + deficient²) of that of
+// the fit.
 template <class T>
 Matrix moments_of(const VelocityFit<T>& fit) {
   const auto& [x, y, z, mixed] = fit.row;
@@ -82,7 +83,7 @@ KinematicViscosity<T>::KinematicViscosity(Real nu, const PointLattice& lattice, 
       nu_(nu),
       truncation_(lattice_laplacian_truncation(lattice, h)) {}
 
-// Half of the gradients, and M_lattice/M_i to the scalar of the last.
+// Half of the gradients; M_lattice/M_i is written to the scalar of the last one.
 template <class T>
 void KinematicViscosity<T>::fit(Neighbourhood<T>& near, const Vec4<T>* velocities, const std::vector<Vec3>& positions,
                                 const std::array<Vec4<T>*, 3>& gradients) const {

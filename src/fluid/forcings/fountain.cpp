@@ -52,7 +52,7 @@ bool Fountain::reaches(const Vec3& p) const {
   return x * x + y * y <= r * r && p.z() - floor_ <= settings_.height;
 }
 
-// Through the top, or the side, where |r + t v|² is that of the radius.
+// The time until it leaves through the top, or through the side, where |r + t v|² is the square of the radius.
 Real Fountain::leaves_after(const Vec3& p, const Vec3& velocity) const {
   const Real top = velocity.z() > 0 ? (floor_ + settings_.height - p.z()) / velocity.z() : INFINITY;
   const Real x = p.x() - settings_.center[0], y = p.y() - settings_.center[1], r = settings_.diameter / 2;

@@ -14,13 +14,13 @@ constexpr Real rounding = 1e-9;
 
 Real whole(Real length, Real spacing) { return std::max<Real>(1, std::round(length / spacing)); }
 
-// The edges of the rectangle around an opening, level edge first.
+// The edges of the rectangle around an opening, the horizontal edge first.
 std::array<Real, 2> edges_of(const InletSettings& settings) {
   if (settings.shape == InletShape::rectangle) return {settings.size[0], settings.size[1]};
   return {2 * settings.radius, 2 * settings.radius};
 }
 
-// The level direction across `d`, x where that is upright.
+// The horizontal direction perpendicular to `d`; x if `d` is vertical.
 Vec3 level_across(const Vec3& d) {
   const Vec3 level = Vec3::UnitZ().cross(d);
   return level.norm() > rounding ? Vec3(level / level.norm()) : Vec3::UnitX();
@@ -107,7 +107,7 @@ Real Inlet::leaves_after(const Vec3& p, const Vec3& velocity) const {
   return speed > 0 ? (spacing_ - lattice_.seen(p).ahead) / speed : INFINITY;
 }
 
-// The part of a substep in which the pump may work, so that the amount does not depend on how time is cut.
+// The part of a substep in which the pump may work, so that the amount does not depend on how time is divided.
 TimeSpan Inlet::working(const StepInfo& info) const {
   return {std::max(info.time, pump().start), std::min(info.time + info.dt, pump().stop)};
 }

@@ -1,5 +1,5 @@
-// What terms of pair loops are made of, and those of the velocity filters: curl, gradient and smoothing. Included once
-// per instruction set, inside the sources that Highway compiles repeatedly.
+// Building blocks of the terms of pair loops, and the terms of the velocity filters: curl, gradient and smoothing.
+// Included once per instruction set, inside the sources that Highway compiles repeatedly.
 #if defined(TREVI_FLUID_FILTER_TERMS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_FLUID_FILTER_TERMS_INL
 #undef TREVI_FLUID_FILTER_TERMS_INL
@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// Where the kernel uses no square root the compiler removes this one.
+// Where the kernel uses no square root, the compiler removes this one.
 template <class D>
 HWY_INLINE Distance<D> distance_of(const PairVector<D>& pair) {
   return {hn::Sqrt(pair.r2), pair.r2};

@@ -1,7 +1,7 @@
-// The terms of the density constraint: what one vector of pairs adds to the sums of its particle; and the pair loops
-// made of these and of those of the filters, for one precision. Nothing here depends on a particular kernel. Included
-// once per instruction set, inside the sources that Highway compiles repeatedly (pair_sums_single.cpp and
-// pair_sums_double.cpp: one per precision, so that they can be compiled in parallel).
+// The terms of the density constraint: the contribution of one vector of pairs to the sums of its particle; and the
+// pair loops composed of these terms and of those of the filters, for one precision. Nothing here depends on a
+// particular kernel. Included once per instruction set, inside the sources that Highway compiles repeatedly
+// (pair_sums_single.cpp and pair_sums_double.cpp: one per precision, so that they can be compiled in parallel).
 #if defined(TREVI_FLUID_PAIR_SUMS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREVI_FLUID_PAIR_SUMS_INL
 #undef TREVI_FLUID_PAIR_SUMS_INL
@@ -99,7 +99,7 @@ struct TensileDeltaTerms : RecordTerms<T> {
   }
 };
 
-// The pair loops themselves as plain functions: Highway's dispatch takes no others.
+// The pair loops themselves as plain functions: Highway's dispatch supports no others.
 template <class T, class Density>
 void value(const Pairs<T>& pairs, Range range, T* out) {
   for_each_particle(pairs, range, ValueTerms<T, Density>{{out}});
@@ -141,7 +141,7 @@ void friction(const Pairs<T>& pairs, Range range, const Vec4<T>* velocity, const
   for_each_particle(pairs, range, FrictionTerms<T, dimensions>{{{{out}, velocity}}, gradients});
 }
 
-// The loops of all pairs of kernels; that with number k has density kernel k / count and gradient kernel k % count.
+// The loops for all pairs of kernels; number k has density kernel k / count and gradient kernel k % count.
 template <class T, std::size_t... k>
 ConstraintLoops<T> listed_loops(std::size_t wanted, std::index_sequence<k...>) {
   constexpr std::size_t count = std::tuple_size_v<KernelList>;

@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid/pairs/pair_sums_single.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 #include "fluid/pairs/pair_sums-inl.hpp"

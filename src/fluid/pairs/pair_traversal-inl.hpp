@@ -26,8 +26,8 @@ struct Four {
   hn::Vec<D> x, y, z, w;
 };
 
-// Where a record lies, in halves of a record: half a record of single precision is a unit in which the processor adds
-// up addresses by itself.
+// The position of a record, in halves of a record: in single precision, half a record is a unit by which the processor
+// can compute addresses by itself.
 using Place = std::uint32_t;
 
 // Block b of the result is the 16 bytes at `base` of the record at place[b · stride].
@@ -163,10 +163,10 @@ HWY_INLINE BlockSums<D> sums_of_blocks(D d, const Groups<Sums>& s) {
   return {sum_of_groups<D>({a.xy, b.xy, c.xy, e.xy}), sum_of_groups<D>({a.zw, b.zw, c.zw, e.zw})};
 }
 
-// The sums of this many particles are finished together, so that no one waits for a sum of its own.
+// The sums of this many particles are finished together, so that none has to wait for a sum of its own.
 inline constexpr std::size_t batch = 4;
 
-// A vector of each particle of a batch, of which the blocks are still to be added; and their sums, one block for each.
+// A vector for each particle of a batch, whose blocks are still to be added; and their sums, one block for each.
 template <class D>
 struct alignas(64) Unfinished {
   hn::TFromD<D> of[batch][hn::MaxLanes(D())];
@@ -177,7 +177,7 @@ struct alignas(64) Finished {
   T of[batch][lanes];
 };
 
-// Of two vectors: the sums of their halves, of the one and then of the other.
+// For two vectors: the sum of the halves of the first one, followed by that of the second one.
 template <class D>
 HWY_INLINE hn::Vec<D> halves(D d, hn::Vec<D> a, hn::Vec<D> b) {
   return hn::Add(hn::ConcatLowerLower(d, b, a), hn::ConcatUpperUpper(d, b, a));
@@ -201,7 +201,7 @@ HWY_INLINE Finished<hn::TFromD<D>> sum_of_blocks(D d, const Unfinished<D>& v) {
   return sums;
 }
 
-// Adds the lanes of each block, too: the sum is then in the first.
+// Also adds the lanes of each block: the sum is then in the first lane.
 template <class D>
 HWY_INLINE Finished<hn::TFromD<D>> sum_of_lanes(D d, const Unfinished<D>& v) {
   Finished<hn::TFromD<D>> sums = sum_of_blocks(d, v);
@@ -227,7 +227,7 @@ struct Row {
   LocalId count;
 };
 
-// Writes the places of the neighbours of a row, and after them a vector of 0, which are places, too.
+// Writes the positions of the neighbours of a row, followed by a vector of zeros, which are valid positions, too.
 template <class D>
 HWY_INLINE void decode(D, const NeighbourRow& row, Place* HWY_RESTRICT place) {
   const hn::Rebind<Place, D> d;
@@ -286,7 +286,7 @@ HWY_INLINE void for_each_particle(const Pairs<T>& pairs, Range range, const Term
   using D = hn::ScalableTag<T>;
   const D d;
   const Packed<T>* records = pairs.records.data();
-  // Rows are decoded one ahead: what is stored in vectors is not at hand for single loads at once.
+  // Rows are decoded one ahead: values that were stored as vectors are not immediately available to scalar loads.
   constexpr std::size_t room = static_cast<std::size_t>(NeighbourList::max_neighbours) + RowWriter::slack;
   alignas(64) Place places[2][room];
   Place *here = places[0], *next = places[1];

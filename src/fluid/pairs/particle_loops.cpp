@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid/pairs/particle_loops.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 #include <cstdint>
@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// What has as many lanes as vectors of doubles.
+// A tag with as many lanes as vectors of doubles have.
 template <class T>
 using As = hn::Rebind<T, Wide>;
 
@@ -28,7 +28,7 @@ HWY_INLINE auto widened(hn::Vec<As<T>> v) {
   }
 }
 
-// The multipliers of as many particles as a vector has lanes, at k.
+// The multipliers of as many particles as a vector has lanes, from k on.
 template <class T>
 HWY_INLINE void multipliers(const MultiplierLaw& law, const DensitySums<T>& in, std::size_t k, Real* rho, T* lambda) {
   const Wide wide;
@@ -65,7 +65,8 @@ void find_multipliers_of(const MultiplierLaw& law, const DensitySums<T>& in, Rea
   std::copy_n(last_lambda.begin(), count - k, lambda + k);
 }
 
-// In integers as Encoding has it: the sum with 1.5 · 2^52 has the rounded number modulo 2^32 in its lower half.
+// Rounded to integers as in Encoding: the sum with 1.5 · 2^52 contains the rounded number modulo 2^32 in its lower
+// half.
 HWY_INLINE auto rounded(hn::Vec<Wide> u) {
   constexpr double shift = 6755399441055744.0;
   const auto bits = hn::BitCast(As<std::uint64_t>(), hn::Add(u, hn::Set(Wide(), shift)));
@@ -89,7 +90,7 @@ HWY_INLINE void store_records(const Encoding<T>& encoding, const WideVec3& p, Pa
   }
 }
 
-// For most vectors all paths are in the open.
+// For most vectors all paths lie in open space.
 template <bool any_closed, class T>
 HWY_INLINE bool moved_inside(const Shift<T>& shift, const Vec4<T>* delta, Vec3* p, Packed<T>* records) {
   const Wide d;
@@ -128,7 +129,8 @@ std::size_t move_particles_of(const Shift<T>& shift, const Vec4<T>* delta, const
                                        : move_most<false>(shift, delta, moved, left);
 }
 
-// Each against those that come 1, 2, ... after it. Twice the square, as the test itself may round otherwise.
+// Compares each position with those that come 1, 2, ... after it. Twice the square is used, because the test itself may
+// round differently.
 bool may_coincide_of(std::span<const Vec3> p, Real squared) {
   const Wide d;
   constexpr std::size_t most = 64, pad = hn::MaxLanes(Wide());
@@ -156,7 +158,7 @@ bool may_coincide_of(std::span<const Vec3> p, Real squared) {
   return !hn::AllFalse(d, any);
 }
 
-// Highway's dispatch takes no templates.
+// Highway's dispatch does not support templates.
 void multipliers_single(const MultiplierLaw& law, const DensitySums<float>& in, Real* rho, float* lambda) {
   find_multipliers_of(law, in, rho, lambda);
 }
