@@ -68,6 +68,61 @@ TEST(MovingWater, WavesGoAlikeWithACurrentAndAgainstIt) {
   EXPECT_NEAR(with / still, 1, 0.4);
 }
 
+const std::string flume = R"toml(
+[domain]
+dimensions = 2
+min = [0, 0]
+max = [13.5, 1]
+[fluid]
+spacing = 0.05
+[[particles]]
+min = [0, 0]
+max = [13.5, 0.5]
+[[wavemaker]]
+type = "piston"
+period = PERIOD
+height = 0.15
+position = 0.5
+[[damping]]
+min = [9.5, 0]
+max = [13.5, 1]
+rate = 5
+[time]
+dt = 0.0166666666666667
+end = 30
+[gravity]
+)toml";
+
+// Waves 2 m long and 3 spacings high from a piston, one and three wavelengths from it, in the mean of two periods. They
+// are 1.4 % shorter than those of linear theory here; moved back by the upward path, too, they were 4.6 % shorter and
+// lost 5 % of their height per wavelength.
+TEST(MovingWater, WavesOfAPistonKeepTheirLengthAndHeight) {
+  constexpr Real wave = 2, depth = 0.5, k = 2 * std::numbers::pi / wave;
+  const Real period = 2 * std::numbers::pi / std::sqrt(9.81 * k * std::tanh(k * depth));
+  std::string text = flume;
+  Flow flow(text.replace(text.find("PERIOD"), 6, std::to_string(period)));
+  const auto harmonic = [&](Real from) {  // of one wavelength of the tank
+    const auto inside = [&](const Vec3& p) { return p.x() > from && p.x() < from + wave; };
+    const Real along =
+        flow.sum([&](const Vec3& p, const Vec3&) { return inside(p) ? p.z() * std::cos(k * p.x()) : 0; });
+    const Real across =
+        flow.sum([&](const Vec3& p, const Vec3&) { return inside(p) ? p.z() * std::sin(k * p.x()) : 0; });
+    return std::complex<Real>(along, across);
+  };
+  const int in_period = static_cast<int>(std::round(60 * period)), snapshots = 16;
+  flow.steps(14 * in_period);
+  std::complex<Real> ratio = 0;
+  for (int n = 0; n < snapshots; ++n) {
+    flow.steps(2 * in_period / snapshots);
+    ratio += harmonic(6.5) / harmonic(2.5) / static_cast<Real>(snapshots);
+  }
+  const Real kept = std::sqrt(std::abs(ratio));  // per wavelength
+  const Real length = 1 / (1 - std::arg(ratio) / (4 * std::numbers::pi));
+  if (rank_of(world) == 0) std::printf("waves of a piston: %.3f kept, length %.3f of theory\n", kept, length);
+  EXPECT_NEAR(kept, 1, 0.03);
+  EXPECT_NEAR(length, 1, 0.03);
+}
+
 const std::string turning = R"toml(
 [domain]
 min = [-0.65, -0.65, 0]
