@@ -241,8 +241,9 @@ class ReferenceProjection : ReferencePressure {
     path *= 0.25 / std::max(path.cwiseAbs().maxCoeff(), 0.25);
     path = (path.array().abs() < 1e-3).select(0, path).cwiseProduct(size_);
     Eigen::Matrix3d mixed = mixed_derivatives(c);
-    mixed.topLeftCorner<2, 2>() *= 1 - pulled_share(found, c) / 2;
-    if (upright()) mixed.topRightCorner<2, 1>().setZero();  // not by the upward path
+    const Real pulled = pulled_share(found, c), midway = 1 - pulled / 2;
+    mixed.topLeftCorner<2, 2>() *= midway;
+    if (upright()) mixed.topRightCorner<2, 1>() *= pulled * midway;  // by the upward path
     return -mixed * path;
   }
 
