@@ -19,7 +19,7 @@ namespace trevi {
 
 namespace {
 
-// The viewer's own colours are the scene's, or else go by the places in the start lattice.
+// The viewer shows the colours of the scene; without them, colours by the places in the initial lattice.
 std::unique_ptr<Observer> build_live_view(MPI_Comm comm, const Scene& scene, const BuildOptions& options,
                                           GlobalId particles) {
   LiveViewOptions live;
@@ -50,7 +50,7 @@ std::vector<std::unique_ptr<Observer>> build_observers(MPI_Comm comm, const Scen
   observers.push_back(std::make_unique<Progress>(
       comm, ProgressOptions{
                 .mode = options.progress, .first_step = restart_step.value_or(0), .last_step = options.last_step}));
-  // Last, as it may hold the run: all other observers have then written the step.
+  // Last, because it may hold the run: all other observers have then written the step.
   if (options.viewed) observers.push_back(build_live_view(comm, scene, options, particles));
   return observers;
 }
@@ -88,7 +88,7 @@ std::unique_ptr<Solver> build_solver(MPI_Comm comm, const Scene& scene, BuildOpt
   FlowParts flow = make_scene_flow(comm, scene, std::move(extras.flow));
   extras.observers = build_observers(comm, scene, options, sum_over_ranks(comm, particles.size()));
   Settings settings = scene;
-  settings.output.directory.clear();  // they have been built, and know of restarts
+  settings.output.directory.clear();  // they have been built, with what restarts need
   return make_solver_with(comm, settings, std::move(particles), std::move(extras), std::move(flow), options.info);
 }
 

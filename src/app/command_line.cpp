@@ -64,7 +64,7 @@ void add_options(CLI::App& app, CommandLine& line) {
   app.add_option("--set", line.overrides, "table.key=value, in place of the scene's value; repeatable")
       ->expected(1)
       ->take_all()
-      ->allow_extra_args(false);  // else it takes a scene that stands behind it
+      ->allow_extra_args(false);  // otherwise it takes a scene that follows it
   app.add_option("--restart", line.restart, "go on from a checkpoint: a file, or latest")->check(refuse_empty);
   app.add_option("--steps", line.steps, "stop when the run's total step count is this, before or past time.end")
       ->check(refuse_step);

@@ -1,5 +1,5 @@
-// The arguments of the program, which its --help lists. The same on all ranks; not collective.
-// Arguments of the form -word go to PETSc, with the value that follows them, unless --word is one of ours.
+// The arguments of the program, which its --help lists. The same on all ranks; not collective. Arguments of the form
+// -word are passed to PETSc, with the value that follows them, unless --word is one of ours.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +23,10 @@ struct CommandLine {
   std::string preview;  ///< file for the curves of the fountains, instead of a run; empty: none
   std::string view;     ///< HOST:PORT of a viewer that may watch the run; empty: none
   ProgressMode progress = ProgressMode::automatic;
-  std::string help;  ///< not empty: print this, the help or the version, and exit 0
+  std::string help;  ///< if not empty: print this, the help or the version, and exit 0
 };
 
-/// Throws InputError with the usage line for what it does not understand.
+/// Throws InputError with the usage line for arguments that it does not understand.
 CommandLine parse_command_line(int argc, const char* const* argv);
 
 }  // namespace trevi

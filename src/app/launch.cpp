@@ -16,7 +16,7 @@ namespace trevi {
 
 namespace {
 
-// Of the environment; none where it says nothing. It may hold a list, "4,2", whose first number is that of loops.
+// From the environment; none if it is not set. It may hold a list, "4,2", whose first number is that of loops.
 std::optional<int> threads_of_environment() {
   const char* text = std::getenv("OMP_NUM_THREADS");
   const std::string_view all = text == nullptr ? "" : text;
@@ -48,7 +48,7 @@ Launch use_threads(const Session& session, std::optional<int> wanted, const Scen
   if (!wanted) {
     std::optional<int> from_environment;
     all_or_none(session.comm(), [&] { from_environment = threads_of_environment(); });
-    const int fair = session.fair_threads();  // on all ranks, as they may have different environments
+    const int fair = session.fair_threads();  // on all ranks, because their environments may differ
     wanted = from_environment.value_or(fair);
   }
   all_or_none(session.comm(), [&] {

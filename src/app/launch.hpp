@@ -1,4 +1,4 @@
-// How a run is laid out on its machines: ranks and their threads. Collective, unless it is said otherwise.
+// How a run is distributed over its machines: ranks and their threads. Collective unless stated otherwise.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@ namespace trevi {
 
 struct Launch {
   int ranks = 1;
-  int threads_min = 1, threads_max = 1;  ///< of a rank; they differ where ranks have different cores
+  int threads_min = 1, threads_max = 1;  ///< of a rank; they differ if ranks have different cores
 };
 
-/// The number of threads that a text gives, if it does and is one that can be used. Not collective.
+/// The number of threads that a text specifies, if it does and the number is valid. Not collective.
 std::optional<int> whole_threads(std::string_view text);
 
-/// Gives this rank its threads: `wanted` (the command line's), else the scene's, else those of OMP_NUM_THREADS, else as
-/// many as there are cores for it (Session::fair_threads). InputError on all ranks alike for an OMP_NUM_THREADS that
-/// cannot be used.
+/// Gives this rank its threads: `wanted` (from the command line), else those of the scene, else those of
+/// OMP_NUM_THREADS, else as many as there are cores for it (Session::fair_threads). InputError on all ranks alike for
+/// an invalid OMP_NUM_THREADS.
 Launch use_threads(const Session& session, std::optional<int> wanted, const Scene& scene);
 
 /// "2 ranks x 4 threads, AVX-512, single precision". Not collective.

@@ -12,7 +12,7 @@ namespace trevi {
 
 namespace {
 
-// Texts that do not fit are cut.
+// Texts that do not fit are truncated.
 struct ProcessPlace {
   std::array<char, 64> host{};
   std::array<char, 188> processors{};

@@ -1,4 +1,4 @@
-// On which machines a run is, for run.json. Collective.
+// The machines on which a run executes, for run.json. Collective.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace trevi {
 
-/// The machines in the order of their ranks; on rank 0 alone. Machines whose ranks are not one after the other stand
-/// there several times.
+/// The machines in the order of their ranks; on rank 0 alone. Machines whose ranks are not consecutive are listed
+/// several times.
 std::vector<HostReport> hosts_of(const Session& session);
 
-/// Sum of what the meters tell, one of each machine; nan where one of them does not.
+/// Sum of the meters, one per machine; nan if one of them gives no value.
 double joules_of_hosts(const Session& session, const EnergyMeter& meter);
 
 }  // namespace trevi

@@ -92,7 +92,7 @@ RunReport local_report(const RunContext& context, const Solver& solver, const Ou
   report.threads = context.launch.threads_max;
   report.threads_min = context.launch.threads_min;
   report.versions = versions();
-  std::error_code ignored;  // a working directory that is gone
+  std::error_code ignored;  // a working directory that no longer exists
   report.scene = std::filesystem::absolute(context.scene.path, ignored).lexically_normal().string();
   if (report.scene.empty()) report.scene = context.scene.path;
   report.domain = context.scene.domain;

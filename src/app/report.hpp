@@ -35,7 +35,7 @@ struct Outcome {
 /// Collective.
 void write_report(const Session& session, const RunContext& context, const Solver& solver, const Outcome& outcome);
 
-/// The part of the report that one rank knows, for when it fails alone and cannot communicate. Not collective.
+/// The part of the report that one rank knows, for use when it fails alone and cannot communicate. Not collective.
 void write_last_words(const RunContext& context, const Solver& solver, const Outcome& outcome);
 
 }  // namespace trevi

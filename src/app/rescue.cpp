@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A name that is not taken, by rank 0.
+/// A name that is not taken, determined by rank 0.
 std::string free_name(MPI_Comm comm, const fs::path& wanted) {
   std::string name;
   if (rank_of(comm) == 0) {
@@ -48,7 +48,7 @@ std::optional<std::string> rescue_state(const Session& session, const Checkpoint
       make_output_directory(comm, directory);
       write_state(comm, info, solver, directory);
       return directory;
-    } catch (const Error&) {  // on all ranks alike; the next place may do
+    } catch (const Error&) {  // on all ranks alike; the next place may work
       if (session.rank() == 0) fs::remove(directory, ignored);
     }
   }

@@ -1,5 +1,5 @@
-// What a run leaves when its folder was removed under it: the state of its last step, in a folder that is told.
-// Collective.
+// What a run leaves when its folder was removed during the run: the state of its last step, in a folder that it
+// reports. Collective.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 namespace trevi {
 
 /// Writes a checkpoint into a new folder: beside `lost`, in the working directory or among the temporary files,
-/// whichever takes it first. Its name; nothing when none does.
+/// whichever is possible first. Returns its name; nothing if none is possible.
 std::optional<std::string> rescue_state(const Session& session, const CheckpointInfo& info, const Solver& solver,
                                         const std::string& lost);
 

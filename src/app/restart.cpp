@@ -31,8 +31,8 @@ std::string quoted_for_shell(std::string_view word) {
   return quoted + "'";
 }
 
-/// From the newest of a folder's checkpoints that is not damaged. A requeued job has nobody who could name an older one
-/// when the disk has spoilt the last. What keeps a good one from being read (permissions, memory, its version) is told.
+/// From the newest checkpoint of a folder that is not damaged. When a job is requeued, nobody can name an older one if
+/// the disk has spoilt the last. If a good one cannot be read (permissions, memory, its version), this is reported.
 Restart from_newest_good(MPI_Comm comm, const std::string& directory) {
   std::string spoilt;
   for (const std::string& file : newest_checkpoints(comm, directory)) {
@@ -45,7 +45,7 @@ Restart from_newest_good(MPI_Comm comm, const std::string& directory) {
   throw InputError(directory + ": holds no good checkpoint; name another with --restart FILE" + spoilt);
 }
 
-// Of lists of frames in the folder those that are damaged: a run that adds to one sets it aside.
+// The damaged ones among the lists of frames in the folder: a run that adds to one sets it aside.
 std::string damaged_lists(const std::string& directory) {
   namespace fs = std::filesystem;
   std::vector<std::string> lists;
@@ -72,8 +72,8 @@ std::string damaged_lists(const std::string& directory) {
   return told;
 }
 
-// Water of the checkpoint may not end up in the stone of obstacles that are no longer as they were. What is hardly in
-// it is put outside by the first step.
+// Water of the checkpoint may not end up inside solid obstacles that have changed since then. What is barely inside
+// them is put outside by the first step.
 void check_water(MPI_Comm comm, const Scene& scene, const Restart& restart) {
   const FreePlaces places(scene, restart.state->time);
   const ParticleRows& rows = restart.state->rows;

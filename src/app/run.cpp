@@ -34,7 +34,7 @@ void tell(const Session& session, const std::string& text) {
   if (session.rank() == 0) std::fprintf(stderr, "trevi: %s\n", text.c_str());
 }
 
-// Output that a full disk or a closed pipe did not take must not look like success.
+// Output that failed because of a full disk or a closed pipe must not look like success.
 void flush_output(MPI_Comm comm) {
   on_root(comm, [] {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw_file_error("standard output", "write", errno);
@@ -57,7 +57,7 @@ void warn_at_the_end(const Session& session, const RunContext& context, const So
     tell(session, "warning: " + warning);
 }
 
-// Says that water is crushed, or that inlets make less than they should, when that begins; it is said again at the end.
+// Reports crushed water, or inlets that make less than they should, when that begins; it is reported again at the end.
 class Watch {
  public:
   Watch(const Session& session, const Scene& scene) : session_(session), scene_(scene) {}
@@ -99,7 +99,7 @@ Outcome run_steps(Solver& solver, std::int64_t last_step, bool restarted, Watch 
   return {};
 }
 
-// Where the traces of a failed run go: its folder, or, where that was removed, one with the last state.
+// Where the traces of a failed run go: its folder, or, if that was removed, a new one with the last state.
 std::string folder_for_traces(const Session& session, const RunContext& context, const Solver& solver,
                               std::string& told) {
   if (context.lock == nullptr || !context.lock->lost()) return context.directory;
@@ -149,7 +149,7 @@ Outcome run_guarded(const Session& session, const RunContext& context, Solver& s
   }
 }
 
-// The requests that this rank sees, those of the viewer included.
+// The requests that this rank sees, including those of the viewer.
 std::function<RequestCounts()> requests_of(RequestWatch& watch, std::shared_ptr<ViewerLink> viewer) {
   return [&watch, viewer = std::move(viewer)] {
     RequestCounts counts = watch.poll();
@@ -164,7 +164,7 @@ std::shared_ptr<ViewerLink> connect_on_root(MPI_Comm comm, const std::string& ad
   return link;
 }
 
-// Whether a restart has steps to do. One to an earlier step is refused, as it would set newer output aside.
+// Whether a restart has steps to do. One to an earlier step is refused, because it would set newer output aside.
 bool has_steps_left(const Restart& restart, const Scene& scene, const CommandLine& line) {
   if (!restart.state) return true;
   const std::int64_t step = restart.state->step, last = line.steps.value_or(scene.steps());
@@ -175,7 +175,7 @@ bool has_steps_left(const Restart& restart, const Scene& scene, const CommandLin
                    "give a later end, for example with --set time.end");
 }
 
-// The first words of a run: all that could be refused has been looked at.
+// The first messages of a run: everything that could lead to a refusal has been checked.
 void announce(const Session& session, const RunContext& context, const Solver& solver, const std::string& restart) {
   const GlobalId particles = sum_over_ranks(session.comm(), solver.particles().size());
   if (session.rank() == 0) {
@@ -184,7 +184,7 @@ void announce(const Session& session, const RunContext& context, const Solver& s
   }
   if (!restart.empty()) tell(session, restart);
   for (const std::string& warning : start_warnings(context.scene)) tell(session, "warning: " + warning);
-  if (context.restarted) return;  // said before
+  if (context.restarted) return;  // reported before
   for (const std::string& warning : scene_advice(context.scene)) tell(session, "warning: " + warning);
   if (session.rank() != 0) return;
   for (const std::string& warning : volume_warnings(context.scene, static_cast<double>(particles)))

@@ -1,4 +1,4 @@
-// The program: arguments and scene to a finished run and its report. Collective.
+// The program: from arguments and scene to a finished run and its report. Collective.
 #pragma once
 
 #include "trevi/error.hpp"
@@ -6,10 +6,10 @@
 
 namespace trevi {
 
-/// Throws InputError on all ranks alike, RunError on all or one (Error::reach).
+/// Throws InputError on all ranks alike, RunError on all ranks or on one (Error::reach).
 ExitCode run(const Session& session, int argc, const char* const* argv);
 
-/// Prints an error once and returns its exit code; a failure of one rank alone takes all ranks down.
+/// Prints an error once and returns its exit code; a failure of a single rank takes all ranks down.
 int report_error(const Error& error);
 
 }  // namespace trevi

@@ -18,7 +18,7 @@ namespace {
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr std::size_t max_processors = 1 << 16;
 
-// Processors that this thread may run on; none where the kernel does not tell.
+// Processors that this thread may run on; none if the kernel does not report them.
 std::vector<int> affinity() {
   std::vector<int> processors;
   for (std::size_t room = 1024; room <= max_processors; room *= 2) {
@@ -86,7 +86,7 @@ int threads_for_cores(std::span<const int> users_of_cores, double allowed, int p
   double fraction = 0;
   for (const int users : users_of_cores) fraction += 1.0 / users;
   fraction = std::min({fraction, allowed / processes, static_cast<double>(max_threads)});
-  return std::max(1, static_cast<int>(fraction + 1e-6));  // ten tenths are a core
+  return std::max(1, static_cast<int>(fraction + 1e-6));  // ten tenths are one core
 }
 
 std::vector<int> cores_of(std::span<const int> processors, const std::string& folder) {

@@ -11,13 +11,13 @@ namespace trevi {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double power_limit = 1000;  // W, of what one counter counts
+constexpr double power_limit = 1000;  // W, for what one counter covers
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Files hold microjoules.
+// The files contain microjoules.
 double joules_of(const std::filesystem::path& file) {
   double number = 0;
   std::ifstream in(file);
@@ -26,7 +26,7 @@ double joules_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-// A folder for each processor is intel-rapl:N, of AMD's, too; those of their parts, intel-rapl:N:M, are in its count.
+// Each processor has a folder intel-rapl:N, also one by AMD; it includes those of its parts, intel-rapl:N:M.
 EnergyMeter::EnergyMeter(const std::string& folder) : begin_(seconds_now()) {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {

@@ -1,5 +1,5 @@
-// Energy of the processors of this machine, as Linux tells it (RAPL, /sys/class/powercap): of all that runs there.
-// Not collective.
+// Energy of the processors of this machine, as reported by Linux (RAPL, /sys/class/powercap): it covers everything that
+// runs there. Not collective.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@ namespace trevi {
 
 class EnergyMeter {
  public:
-  /// Begins now. `folder`: /sys/class/powercap, or one like it.
+  /// Starts the measurement. `folder`: /sys/class/powercap, or one like it.
   explicit EnergyMeter(const std::string& folder);
 
-  /// Joules since the beginning; nan where the machine does not tell, or has not to this user, or where so much time
-  /// has passed that a counter, which begins anew at its range, may have done so twice.
+  /// Joules since the start; nan if the machine does not report it, or not to this user, or if so much time has passed
+  /// that a counter, which wraps around at its range, may have done so twice.
   double joules() const;
 
  private:

@@ -1,7 +1,7 @@
 // For arrays whose length changes a little from step to step. std::vector doubles its memory when it must grow, which
 // on several ranks would happen to every array in the first steps; a sixteenth more is enough. New memory is first
-// written by the threads that will work on it: where a machine has memory of its own for some of its cores, a page is
-// near those whose thread writes to it first. Not collective.
+// written by the threads that will work on it: on machines with separate memory for groups of cores, a page is placed
+// near the core whose thread writes to it first. Not collective.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace trevi {
 
-/// Writes to each page of memory that nothing has been written to, in the runs of a loop over as many particles.
+/// Writes to each page of memory that has never been written, in the same parts as a loop over as many particles.
 void touch_pages(std::byte* memory, std::size_t bytes);
 
 /// v.resize(n), with a capacity of just n for an empty array and n + n/16 for one that must grow.

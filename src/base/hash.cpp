@@ -26,8 +26,8 @@ std::uint64_t fnv1a(std::string_view bytes) {
 }
 
 std::int64_t checksum(std::string_view bytes) {
-  // Four independent sums, so that a multiplication need not wait for the last one; then one sum over these and the
-  // rest.
+  // Four independent sums, so that a multiplication need not wait for the previous one; then one sum over these and the
+  // remainder.
   std::array<std::uint64_t, 4> sums;
   sums.fill(start);
   for (; bytes.size() >= sizeof sums; bytes.remove_prefix(sizeof sums)) {

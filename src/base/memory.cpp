@@ -23,7 +23,7 @@ namespace {
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-/// The number behind a word at the start of a line: "MemAvailable:  123 kB".
+/// The number after a word at the start of a line: "MemAvailable:  123 kB".
 double number_behind(const std::string& file, const std::string& word, double otherwise) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
@@ -32,14 +32,14 @@ double number_behind(const std::string& file, const std::string& word, double ot
   return otherwise;
 }
 
-/// "max", or a file that is not there, is no limit.
+/// "max", or a missing file, means no limit.
 double number_in(const std::string& file, double otherwise) {
   double number = 0;
   std::ifstream in(file);
   return in >> number ? number : otherwise;
 }
 
-/// Pages of this process: all of its addresses, and those that are in memory.
+/// Pages of this process: of its whole address space, and those in memory.
 std::array<double, 2> pages() {
   std::array<double, 2> all = {0, 0};
   std::ifstream in("/proc/self/statm");
@@ -83,7 +83,7 @@ std::string bytes_text(double bytes) {
 }
 
 void require_memory(double bytes, const std::string& what, const std::string& remedy) {
-  constexpr double small = 1e8;  // which is not worth a look into /proc
+  constexpr double small = 1e8;  // not worth a look into /proc
   if (bytes < small) return;
   const double room = free_memory();
   if (bytes <= room) return;
@@ -95,7 +95,7 @@ void give_freed_memory_back() {
 #ifdef __GLIBC__
   mallopt(M_MMAP_MAX, 65536);  // this and the next are glibc's defaults
   mallopt(M_MMAP_THRESHOLD, 128 * 1024);
-  // The heap holds small arrays only. With glibc's 128 kB it shrank and grew 20 times a step.
+  // The heap holds small arrays only. With glibc's 128 kB it shrank and grew 20 times per step.
   mallopt(M_TRIM_THRESHOLD, 4 * 1024 * 1024);
 #endif
 }

@@ -1,5 +1,6 @@
-// A sum in which no order of its terms is seen: integers in two limbs, of 2^-16 and 2^-50. For terms of which each is
-// itself the same bits on any ranks and threads. Not collective; words of one on several ranks are added as integers.
+// A sum that does not depend on the order of its terms: integers in two limbs, in units of 2^-16 and 2^-50. For terms
+// that each have the same bits on any number of ranks and threads. Not collective; the words of a sum on several ranks
+// are added as integers.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +15,7 @@ class OrderlessSum {
  public:
   static constexpr std::size_t words = 2;
 
-  /// To within 2^-51; for up to 2^30 terms below 2^16 on average. A larger term than 2^40 counts as that.
+  /// Accurate to 2^-51; for up to 2^30 terms below 2^16 on average. A term larger than 2^40 counts as 2^40.
   static void add(Real term, std::int64_t* sum) {
     constexpr Real most = 0x1p40;
     const Real countable = std::max(-most, std::min(most, term));

@@ -1,11 +1,11 @@
-// A run of particles, or of other things that a rank counts.
+// A contiguous range of particles, or of other things that a rank numbers.
 #pragma once
 
 #include "trevi/types.hpp"
 
 namespace trevi {
 
-/// [begin, end); owned particles are counted without ghosts.
+/// [begin, end); owned particles are numbered without ghosts.
 struct Range {
   LocalId begin = 0, end = 0;
   LocalId size() const { return end - begin; }

@@ -22,7 +22,7 @@ namespace trevi {
 
 namespace {
 
-// Whoever reads what he has not written gets what is not a number: in builds with asserts, and where tests ask for it.
+// Memory that is read before it is written yields NaNs: in builds with asserts, and where tests ask for it.
 void spoil(void* memory, std::size_t bytes) {
 #if defined(NDEBUG)
   static const bool is_asked_for = std::getenv("TREVI_SPOIL_SCRATCH") != nullptr;
@@ -49,8 +49,8 @@ Scratch::Piece Scratch::piece_of(std::size_t size) {
   return {std::unique_ptr<std::byte[], Free>(memory), memory, size, {}};
 }
 
-// In the smallest gap that is large enough, the first of them; null where there is none. Runs that touch are one, so
-// that thousands of pages, taken one after another, are not gone through for each of them.
+// Takes the smallest gap that is large enough, the first of several; null if there is none. Adjacent runs are merged,
+// so that with thousands of pages taken one after another the search does not visit each of them.
 std::byte* Scratch::place_in(Piece& piece, std::size_t size) {
   std::size_t begin = 0, least = piece.size + 1, at = 0;
   auto next = piece.taken.end();
@@ -129,7 +129,7 @@ void Scratch::give_back(void* memory, std::size_t bytes) {
     leave(piece, {at, at + size});
     if (piece.own != nullptr) borrowed_ -= size;
     return;
-  }  // a loan that an exception has ended is not among them
+  }  // a loan that was ended by an exception is not among them
 }
 
 void Scratch::give_back_end(void* memory, std::size_t bytes, std::size_t kept) {
@@ -137,7 +137,7 @@ void Scratch::give_back_end(void* memory, std::size_t bytes, std::size_t kept) {
   if (begin < bytes) give_back(static_cast<std::byte*>(memory) + begin, bytes - begin);
 }
 
-// Addresses of lent memory are those of numbers: what is left of it before the first whole unit is not used.
+// Addresses in lent memory are those of numbers: the part before the first whole unit is not used.
 void Scratch::lend(std::span<std::byte> memory) {
   void* first = memory.data();
   std::size_t size = memory.size();
@@ -163,7 +163,7 @@ void Scratch::join() {
   const std::size_t size = rounded(std::max(most_, joined_) + most_ / fraction, alignment);
   joined_ = size;
   for (const Piece& piece : pieces_) show(piece.memory, piece.size);
-  pieces_.clear();  // before the new memory is asked for
+  pieces_.clear();  // before the new memory is requested
   pieces_.push_back(piece_of(size));
   show(pieces_.back().memory, size);
   touch_pages(pieces_.back().memory, size);

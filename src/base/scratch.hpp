@@ -1,9 +1,9 @@
 // Memory that the stages of a step share: each borrows its arrays here and gives them back when it is done, so that
-// what lives in one stage only lies where what lives in another one did. An array is given back by the end of its
-// Borrowed, and its memory has no values at first. Where an address lies depends on what was borrowed before it, so no
-// number may. A build with the address sanitizer fails where somebody uses what he has given back; in one with asserts,
-// and where TREVI_SPOIL_SCRATCH is set, as in all tests, memory is not a number when it is borrowed. Not collective;
-// borrowing and giving back may be done by several threads at once.
+// arrays of one stage reuse the memory of those of another. An array is given back by the end of its Borrowed, and its
+// memory is uninitialized at first. Addresses depend on what was borrowed before, so no result may depend on them. A
+// build with the address sanitizer fails when memory is used after it was given back; in a build with asserts, and
+// where TREVI_SPOIL_SCRATCH is set, as in all tests, memory is filled with NaNs when it is borrowed. Not collective;
+// several threads may borrow and give back at the same time.
 #pragma once
 
 #include <cstddef>
@@ -29,21 +29,21 @@ class Scratch {
   Scratch& operator=(const Scratch&) = delete;
   ~Scratch();
 
-  /// An array of n values that are not set.
+  /// An uninitialized array of n values.
   template <class T>
   Borrowed<T> borrow(std::size_t n) {
     return {*this, n, false};
   }
-  /// The same for a stage that ends before any loan does: it may lie in lent memory.
+  /// The same for a stage that ends before any loan does: the array may be in lent memory.
   template <class T>
   Borrowed<T> borrow_briefly(std::size_t n) {
     return {*this, n, true};
   }
 
-  /// Between stages in which nothing is borrowed: memory that came in pieces becomes one.
+  /// To be called between stages when nothing is borrowed: memory that consists of several pieces becomes one piece.
   void join();
 
-  /// Memory of its own, without what is lent.
+  /// Memory of its own, without lent memory.
   std::size_t bytes() const;
   /// Bytes that are borrowed now.
   std::size_t borrowed() const { return borrowed_; }
@@ -60,10 +60,10 @@ class Scratch {
     void operator()(std::byte* memory) const { ::operator delete[](memory, std::align_val_t(alignment)); }
   };
   struct Piece {
-    std::unique_ptr<std::byte[], Free> own;  // null where it is lent
+    std::unique_ptr<std::byte[], Free> own;  // null if it is lent
     std::byte* memory;
     std::size_t size;
-    std::vector<Run> taken;  // in their order; none touches another
+    std::vector<Run> taken;  // in their order; none is adjacent to another
   };
   static Piece piece_of(std::size_t size);
   static std::byte* place_in(Piece& piece, std::size_t size);
@@ -76,7 +76,7 @@ class Scratch {
 
   std::mutex mutex_;
   std::vector<Piece> pieces_;
-  std::size_t borrowed_ = 0, most_ = 0;  // without what lies in lent memory: `most_` at a time
+  std::size_t borrowed_ = 0, most_ = 0;  // without arrays in lent memory; most_: the largest at any time
   std::size_t joined_ = 0;               // size of the piece that join() has made
 };
 
@@ -95,7 +95,7 @@ class Loan {
   const std::byte* memory_;
 };
 
-/// An array in a Scratch, which outlives it; empty when nothing is borrowed.
+/// An array in a Scratch, which outlives it; empty if nothing is borrowed.
 template <class T>
 class Borrowed {
   static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= Scratch::alignment);
@@ -123,7 +123,7 @@ class Borrowed {
     scratch_->give_back_end(data_, size_ * sizeof(T), n * sizeof(T));
     size_ = n;
   }
-  /// Sets all values, by all threads.
+  /// Sets all values, using all threads.
   void fill(const T& value) {
     constexpr LocalId part_size = 8192;
     for_each_part({0, static_cast<LocalId>(size_)}, part_size,

@@ -17,7 +17,7 @@ std::string name_of(std::int64_t set) {
   return name;
 }
 
-// That set and all that are worse, 0 where there is none of that name.
+// That set and all lower ones, 0 if there is none of that name.
 std::int64_t sets_from(const std::string& name) {
   for (std::int64_t rest = supported_instruction_sets(); rest != 0; rest &= rest - 1) {
     if (name == name_of(rest & -rest) || name == hwy::TargetName(rest & -rest)) return rest;
@@ -25,7 +25,7 @@ std::int64_t sets_from(const std::string& name) {
   return 0;
 }
 
-// The register that says, among other things, what becomes of denormal numbers, and its bits for zero.
+// The register that controls, among other things, the treatment of denormal numbers, and its bits for zero.
 #if defined(__SSE__)
 constexpr std::uint64_t denormals_are_zero = 0x8040;  // results, and operands
 std::uint64_t floating_point_control() { return _mm_getcsr(); }

@@ -11,8 +11,8 @@
 #include "base/growth.hpp"
 #include "base/simd.hpp"
 
-// GCC's OpenMP library waits by system calls that its thread sanitizer does not see, so it is told what happens before
-// what: all that came before a loop before its parts, and all parts before what follows.
+// GCC's OpenMP library waits by system calls that its thread sanitizer does not see, so the order of events must be
+// declared: everything before a loop happens before its parts, and all parts happen before what follows.
 #if defined(__SANITIZE_THREAD__)
 extern "C" void __tsan_acquire(void*);
 extern "C" void __tsan_release(void*);
@@ -29,7 +29,7 @@ namespace trevi {
 
 namespace {
 
-// The runtime's own default is one thread for every processor that it may use, which several ranks of a node share.
+// The default of the runtime is one thread for every processor that it may use, which several ranks of a node share.
 int& wanted_threads() {
   static int count = std::getenv("OMP_NUM_THREADS") != nullptr ? omp_get_max_threads() : 1;
   return count;
@@ -54,9 +54,10 @@ class FirstFailure {
   std::exception_ptr failure_;
 };
 
-// Which parts are still to be done. Each thread has a run of its own, so that it finds in its cache what it left there
-// in the loop before; when it is done it helps the others. The counters order nothing but themselves: parts know
-// nothing of each other, and a sanitizer that took a counter for a hand-over would not see that they do.
+// Which parts are still to be done. Each thread has its own range of parts, so that it finds in its cache what it left
+// there in the previous loop; when it has finished, it helps the others. The counters order nothing but themselves:
+// parts are independent of each other, and a sanitizer that took a counter for a synchronization would not notice if
+// they were not.
 class ThreadParts {
  public:
   ThreadParts(LocalId parts, int threads) : threads_(static_cast<std::size_t>(threads)) {
@@ -72,8 +73,9 @@ class ThreadParts {
     for (std::size_t k = 0; k < threads_.size(); ++k) {
       Parts& parts_of_thread = threads_[(static_cast<std::size_t>(thread) + k) % threads_.size()];
       for (LocalId part = parts_of_thread.take(); part < parts_of_thread.end; part = parts_of_thread.take()) work(part);
-      // The sanitizer reports what two threads do, and in a short loop the first has done all before another wakes up.
-      // So none helps before all have done their own run, and two runs that touch the same memory are always seen.
+      // The sanitizer reports what two threads do, and in a short loop the first may have done everything before
+      // another wakes up. Therefore no thread helps before all have finished their own range, and two ranges that touch
+      // the same memory are always detected.
       if (watched && k == 0) {
 #pragma omp barrier
       }
@@ -100,7 +102,7 @@ bool can_start_threads(int count) {
   std::vector<std::thread> started;
   bool enough = true;
   {
-    const std::lock_guard<std::mutex> closed(gate);  // they wait for each other, so all are there at a time
+    const std::lock_guard<std::mutex> closed(gate);  // they wait for each other, so all exist at the same time
     try {
       while (std::ssize(started) < count - 1)
         started.emplace_back([&gate] { const std::lock_guard<std::mutex> lock(gate); });
@@ -123,7 +125,7 @@ std::vector<int> placed_processors() {
 }
 
 void touch_pages(std::byte* memory, std::size_t bytes) {
-  constexpr std::size_t page = 4096, fewest = 16 * page;  // less comes from memory that has been used before
+  constexpr std::size_t page = 4096, fewest = 16 * page;  // smaller arrays come from memory that has been used before
   if (thread_count() == 1 || bytes < fewest) return;
   const auto parts =
       static_cast<LocalId>(std::min<std::size_t>(bytes / page, 64 * static_cast<std::size_t>(thread_count())));
@@ -144,12 +146,12 @@ TREVI_UNSEEN_BY_TSAN void run_parts(LocalId parts, void (*work)(const void* cont
   }
   FirstFailure failure;
   ThreadParts all_parts(parts, threads);
-  char begun = 0, done = 0;  // their addresses alone matter
+  char begun = 0, done = 0;  // only their addresses matter
   __tsan_release(&begun);
 #pragma omp parallel num_threads(threads)
   {
     __tsan_acquire(&begun);
-    const Denormals denormals;  // the threads are those of the whole process
+    const Denormals denormals;  // the threads belong to the whole process
     all_parts.do_all(thread_number(), [&](LocalId part) {
       try {
         work(context, part);

@@ -1,7 +1,7 @@
-// Loops that the threads of this rank share (OpenMP). A loop is cut into parts; which thread does which part differs
-// from run to run, so a part writes only what no other part reads or writes, and a sum is formed within one part or by
-// adding numbers of parts in their order: no bit depends on the number of threads. Loops are not nested, and MPI and
-// PETSc are called outside of them only. Not collective.
+// Loops that the threads of this rank share (OpenMP). A loop is divided into parts; which thread does which part
+// differs from run to run. A part therefore writes only what no other part reads or writes, and a sum is formed within
+// one part or by adding the numbers of parts in their order: no bit depends on the number of threads. Loops are not
+// nested, and MPI and PETSc are called only outside of them. Not collective.
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,13 @@ namespace trevi {
 /// Threads that share the loops of this process: OMP_NUM_THREADS if that is set, else 1, until use_threads() is called.
 int thread_count();
 void use_threads(int count);
-inline constexpr int max_threads = 1024;  ///< a larger number is taken for a mistake
+inline constexpr int max_threads = 1024;  ///< a larger number is assumed to be a mistake
 
-/// Whether the system gives this process so many threads at a time: OpenMP's library ends the program where it does
-/// not.
+/// Whether the system grants this process this many threads at a time: if it does not, the OpenMP library ends the
+/// program.
 bool can_start_threads(int count);
 
-/// At most as many threads as there were when a solver, whose memory for each thread goes by that, was made.
+/// Limits the number of threads to that when a solver was made, which determines its memory for each thread.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int most) : before_(thread_count()) { use_threads(std::min(before_, most)); }
@@ -34,13 +34,14 @@ class ThreadLimit {
   int before_;
 };
 
-/// The processors of all of OpenMP's places, where OMP_PLACES, OMP_PROC_BIND or GOMP_CPU_AFFINITY makes some.
+/// The processors of all places of OpenMP, if OMP_PLACES, OMP_PROC_BIND or GOMP_CPU_AFFINITY defines any.
 std::vector<int> placed_processors();
 
-/// Inside of a loop the number of the thread, from 0; outside 0.
+/// Inside of a loop, the number of the thread, from 0; outside, 0.
 int thread_number();
 
-/// work(context, k) for each k of [0, parts). Of the exceptions of parts that of the first is thrown when all are done.
+/// Calls work(context, k) for each k in [0, parts). If parts throw, the exception of the first is rethrown when all are
+/// done.
 void run_parts(LocalId parts, void (*work)(const void* context, LocalId part), const void* context);
 
 template <class Work>
@@ -50,7 +51,7 @@ void for_each_part(LocalId parts, const Work& work) {
       std::addressof(work));
 }
 
-/// Consecutive parts of `range`, each of `size` but for the last.
+/// Consecutive parts of `range`, each of `size` except the last.
 template <class Work>
 void for_each_part(Range range, LocalId size, const Work& work) {
   for_each_part((range.size() + size - 1) / size, [&](LocalId k) {
@@ -59,7 +60,7 @@ void for_each_part(Range range, LocalId size, const Work& work) {
   });
 }
 
-/// work(i) for each i of the range; for loops whose body is short.
+/// Calls work(i) for each i in the range; for loops whose body is short.
 template <class Work>
 void for_each_index(Range range, const Work& work) {
   constexpr LocalId part_size = 2048;
@@ -74,7 +75,7 @@ template <class T>
 class PerThread {
  public:
   T& mine() { return all_[static_cast<std::size_t>(thread_number())].value; }
-  /// All of them, when the loop is done.
+  /// Visits all of them, when the loop is done.
   template <class Visit>
   void for_each(const Visit& visit) {
     for (Padded& one : all_) visit(one.value);
@@ -88,7 +89,7 @@ class PerThread {
   std::vector<Padded> all_ = std::vector<Padded>(static_cast<std::size_t>(thread_count()));
 };
 
-/// The largest of `least` and value(i) of the range; a NaN counts as nothing.
+/// The largest of `least` and the value(i) in the range; NaNs are ignored.
 template <class Value>
 Real largest(Range range, Real least, const Value& value) {
   PerThread<Real> found;
@@ -105,7 +106,7 @@ Real largest(Range range, Real least, const Value& value) {
   return most;
 }
 
-/// The first i of the range for which `is` holds, range.end where there is none; `is` is called for every i.
+/// The first i of the range for which `is` holds, range.end if there is none; `is` is called for every i.
 template <class Is>
 LocalId first_index(Range range, const Is& is) {
   PerThread<LocalId> found;

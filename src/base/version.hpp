@@ -1,4 +1,4 @@
-// The version of the library, in one source only, or a new one would compile everything.
+// The version of the library, in one source file only, as a new version would otherwise recompile everything.
 #pragma once
 
 namespace trevi {

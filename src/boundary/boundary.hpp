@@ -1,7 +1,7 @@
-// What a moving particle meets: the walls of the box, obstacles, the ends of periodic axes. There is one kind for each
-// combination, chosen once by make_boundary(); nothing else in a step asks what a scene has. What walls and obstacles
-// add to the density is in wall_density.hpp and obstacles.hpp. Metres and seconds. predict(), collide() and
-// open_space() may be called in loops that threads share. Not collective.
+// What a moving particle may meet: the walls of the box, obstacles and the ends of periodic axes. There is one class
+// for each combination; make_boundary() chooses it once, and nothing else in a step asks what a scene contains. What
+// walls and obstacles contribute to the density is in wall_density.hpp and obstacles.hpp. Metres and seconds.
+// predict(), collide() and open_space() may be called in loops that threads share. Not collective.
 #pragma once
 
 #include <memory>
@@ -21,24 +21,25 @@ class Boundary {
   Boundary(const Boundary&) = delete;
   Boundary& operator=(const Boundary&) = delete;
 
-  /// Where the path of a velocity ends after the time dt, bounces included. A place in a moving obstacle, which has
-  /// pressed it against a wall, is taken to its surface first.
+  /// The end of a path with velocity v after the time dt, including bounces. A position inside a moving obstacle, which
+  /// has pressed it against a wall, is first taken to the surface of the obstacle.
   virtual Vec3 predict(Vec3& p, const Vec3& v, Real dt) = 0;
-  /// Where a shift of the density solve ends.
+  /// The end of a shift of the density solve.
   virtual Vec3 collide(const Vec3& p, const Vec3& shift) = 0;
-  /// predict() of all particles, from their positions by their velocities to `predicted`. Returns the first that is not
-  /// inside of the walls then, or not a number; their number where there is none.
+  /// predict() of all particles, from their positions with their velocities to `predicted`. Returns the first particle
+  /// that is then not inside the walls, or not a number; the number of particles if there is none.
   LocalId predict(Particles& particles, Real dt);
-  /// Where shifts, or paths, of these particles meet nothing; no place where each has to be asked for.
+  /// The region in which shifts, or paths, of these particles meet nothing; empty if each particle must be examined.
   /// `first`: see Obstacles::open_space().
   virtual OpenSpace open_space(std::span<const Vec3> p, Extent extent, LocalId first) const = 0;
-  /// Whether all particles are inside of open_space().
+  /// Whether all particles inside the walls are in open_space().
   virtual bool is_open_inside() const { return false; }
 
-  /// What moves by itself is taken to where it is from `begin` to `end`; with a new step its records are cleared.
+  /// begin_step() clears the records of a new step; move() takes what moves by itself to its places at `begin` and
+  /// `end`.
   virtual void begin_step() {}
-  /// Bodies that move freely: between move() and predict(), before the projection, and at the end of a substep.
-  /// Collective where there are any. settle_bodies() finds the ends of straight paths for predict(), which follows it.
+  /// For freely moving bodies: between move() and predict(), before the projection, and at the end of a substep.
+  /// Collective if there are any. settle_bodies() computes the ends of straight paths for predict(), which follows it.
   virtual void settle_bodies(MPI_Comm, Particles&, Real /*dt*/) {}
   virtual void give_to_bodies(MPI_Comm) {}
   virtual void finish_bodies(MPI_Comm) {}
@@ -46,27 +47,27 @@ class Boundary {
   /// The highest speed of what moves by itself, m/s.
   virtual Real fastest(Real /*begin*/, Real /*end*/) const { return 0; }
 
-  /// Along periodic axes: positions to the quantum; then back into the box; and p* with its x into the length of the
-  /// box that begins at the first cell, together, as velocities come from the displacement between the two. In two
-  /// dimensions wrap_positions() also keeps the layer in its plane.
+  /// Along periodic axes: rounds positions to the quantum; also takes them back into the box; takes p* into the period
+  /// that begins at the first cell, and x along with it, because velocities come from the displacement between the two.
+  /// In two dimensions wrap_positions() also keeps the layer in its plane.
   virtual void round_positions(Particles&) const {}
   virtual void wrap_positions(Particles&) const {}
   virtual void wrap_predicted(Particles&) const {}
 
-  /// The walls of the box, far away along periodic axes.
+  /// The walls of the box; along periodic axes they are far away.
   const Walls& walls() const { return walls_; }
-  /// Null where there are none.
+  /// Null if there are none.
   virtual Obstacles* obstacles() const { return nullptr; }
 
  private:
-  // The particles of which predict() needs to be asked, where `predicted` has the straight paths of all others; else
-  // null.
+  // The particles for which predict() must be called, if `predicted` already holds the straight paths of all others;
+  // otherwise null.
   virtual const std::vector<LocalId>* bent() const { return nullptr; }
 
   Walls walls_;
 };
 
-/// What make_boundary() chooses from; `obstacles` may be null, `periodic` absent. `layer`: of two dimensions.
+/// What make_boundary() chooses from; `obstacles` may be null, `periodic` absent. `layer`: two dimensions.
 struct BoundaryParts {
   Walls walls;
   std::shared_ptr<Obstacles> obstacles;

@@ -1,7 +1,7 @@
-// The impulse that the box and the obstacles receive from the water: sums of displacements, m, and of their moments,
-// m², that they give to particles. Sums are integers, multiples of a length far below rounding of the positions' own,
-// so that no order of the particles, and no number of ranks or threads, is seen in them. add() may be called in loops
-// that threads share. Collective: total().
+// The impulse that the box and the obstacles receive from the water: sums of the displacements, m, and of their
+// moments, m², that they give to particles. Sums are integers, multiples of a length far below the rounding of
+// positions, so that they depend neither on the order of the particles nor on the number of ranks or threads. add() may
+// be called in loops that threads share. Collective: total().
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace trevi {
 
-/// Of all particles together.
+/// The sum over all particles.
 struct TotalImpulse {
   Vec3 shift = Vec3::Zero();   ///< m
   Vec3 moment = Vec3::Zero();  ///< m², about the reference point of the account
@@ -33,7 +33,7 @@ struct TotalImpulse {
 /// What an obstacle or the box gives to a particle.
 struct Impulse {
   Vec3 shift;  ///< m
-  Vec3 arm;    ///< m, from the point of the moments to the particle
+  Vec3 arm;    ///< m, from the reference point of moments to the particle
 };
 
 class ImpulseLedger {
@@ -46,7 +46,7 @@ class ImpulseLedger {
   void clear();
 
  private:
-  static constexpr std::size_t numbers = 6;  // of an account
+  static constexpr std::size_t numbers = 6;  // per account
   void count(const Vec3& shift, const Vec3& moment, std::int64_t* sums) const;
 
   std::size_t columns_;

@@ -1,8 +1,8 @@
-// Positions in a box that is periodic along some axes. There they are multiples of a power of two, the quantum, and so
-// are the box and the width of its cells: sums and differences of positions are exact. Cells are counted from the one
-// in which the particle of the least id was at the start, so that a flow that starts some planes further on is the same
-// to the bit, whatever goes by their order. Within a step positions are in the box's length that begins there, between
-// steps in the box. The quantum is some 1e-14 of the box. Not collective.
+// Positions in a box that is periodic along some axes. Along these, positions, the box and the width of its cells are
+// multiples of a power of two, the quantum, so that sums and differences of positions are exact. Cells are counted from
+// the one in which the particle with the smallest id was at the start, so that a flow that starts some planes further
+// on is bitwise the same, whatever depends on their order. Within a step positions are in the period that begins there;
+// between steps they are in the box. The quantum is about 1e-14 of the box. Not collective.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,8 @@ namespace trevi {
 
 class PeriodicDomain {
  public:
-  /// The box with ends on the quantum, a whole number of cells at least h wide between them; at most as much larger.
+  /// The box with its ends on the quantum and a whole number of cells between them, each at least h wide; it is
+  /// enlarged by no more than this requires.
   static Box fitted(const Box& box, const std::array<bool, 3>& periodic, Real h) {
     const Real q = quantum(box);
     Box fitted = box;
@@ -28,7 +29,7 @@ class PeriodicDomain {
     return fitted;
   }
 
-  /// So many cells of `box`, as fitted() has made it, further on.
+  /// `box`, as returned by fitted(), moved on by this number of cells.
   static Box turned(const Box& box, Real h, const std::array<LocalId, 3>& cells) {
     Box turned = box;
     for (int a = 0; a < 3; ++a) {
@@ -40,7 +41,7 @@ class PeriodicDomain {
     return turned;
   }
 
-  /// `box` as fitted() has made it; `first`: where cells begin to be counted, as of turned().
+  /// `box` as returned by fitted(); `first`: where the count of cells begins, as returned by turned().
   PeriodicDomain(const Box& box, const std::array<bool, 3>& periodic, const Vec3& first)
       : min_(box.min), first_(first) {
     for (int a = 0; a < 3; ++a) {
@@ -50,22 +51,22 @@ class PeriodicDomain {
       rounding_[a] = 0x1.8p52 * quantum(box);
     }
   }
-  /// What brings p back into the box: whole lengths of it, along the periodic axes.
+  /// The displacement that brings p back into the box: whole periods along the periodic axes.
   Vec3 back(const Vec3& p) const { return into(min_, p); }
-  /// What brings p into the box's length that begins at the first cell.
+  /// The displacement that brings p into the period that begins at the first cell.
   Vec3 in_order(const Vec3& p) const { return into(first_, p); }
-  /// The nearest multiples of the quantum along the periodic axes; v along others.
+  /// The nearest multiples of the quantum along the periodic axes; v along the others.
   Vec3 rounded(const Vec3& v) const { return Vec3(v + rounding_) - rounding_; }
   /// p without its coordinates along the periodic axes: displacements are computed from there.
   Vec3 without_place(const Vec3& p) const { return p - place(p); }
-  /// From p to where `target` is, seen from without_place(p).
+  /// The position reached from p if `target` is the position reached from without_place(p).
   Vec3 moved(const Vec3& p, const Vec3& target) const { return place(p) + rounded(target); }
-  /// The same for a target that is seen from the box.
+  /// The same for a target in the coordinates of the box.
   Vec3 moved_to(const Vec3& p, const Vec3& target) const { return moved(p, target - place(p)); }
 
  private:
-  // Coordinates in the box have 46 bits, so that there is room for sums. What fitted() adds to the box does not change
-  // it.
+  // Coordinates in the box have 46 bits, which leaves room for sums. The enlargement by fitted() does not change the
+  // quantum.
   static Real quantum(const Box& box) {
     const Real largest = box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs()).maxCoeff();
     return std::ldexp(1.0, std::ilogb(largest / 1.9) + 2 - 46);

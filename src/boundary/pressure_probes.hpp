@@ -1,6 +1,6 @@
-// The pressure in the water at places of gauges, on walls or away from them, as the projection finds it in the cells
-// around (projection/probe_pressures.hpp): the mean over the substeps of the step. Sums are integers, so that no number
-// of ranks or threads is seen in them. Collective: means().
+// The pressure in the water at the places of gauges, on walls or away from them, as the projection finds it in the
+// surrounding cells (projection/probe_pressures.hpp): the mean over the substeps of the step. Sums are integers, so
+// that they do not depend on the number of ranks or threads. Collective: means().
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class PressureProbes {
   std::size_t count() const { return places_.size(); }
   const Vec3& place(std::size_t k) const { return places_[k]; }
 
-  /// What a cell near the place says: phi, m², the pressure over the density times the time of the substep squared,
+  /// Adds the value in a cell near the place: phi, m², the pressure over the density times the square of the substep,
   /// with a weight from 0 to 1. Not in loops that threads share.
   void add(std::size_t k, Real weight, Real phi);
   /// The weighted means since clear(), m²; 0 where there was no water.

@@ -1,5 +1,5 @@
-// Obstacles that stay where they are, for what is measured beside them: how much of a level disc or of a part of the
-// box is open at each height. IEEE operations only: the same bits on any processor. Not collective.
+// Obstacles that do not move, for what is measured beside them: the open fraction of a horizontal disc, or of a part of
+// the box, at each height. IEEE operations only: the same bits on any processor. Not collective.
 #pragma once
 
 #include <memory>
@@ -15,11 +15,11 @@ class StandingSolids {
  public:
   explicit StandingSolids(const Settings& settings);
 
-  /// Whether one of them has a surface no further from p than `reach`, m, or p in it.
+  /// Whether the surface of one of them is within `reach`, m, of p, or p is inside one.
   bool are_near(const Vec3& p, Real reach) const;
-  /// How much of a cube of that edge around p is open; exact at faces along those of the cube.
+  /// The open fraction of a cube with this edge around p; exact at surfaces that are parallel to its faces.
   Real open_share(const Vec3& p, Real edge) const;
-  /// Whether one of them may have a part in a box.
+  /// Whether one of them may extend into a box.
   bool may_reach_into(const Box& box) const;
 
  private:
@@ -30,17 +30,17 @@ class StandingSolids {
   std::vector<Solid> solids_;
 };
 
-/// The open space between upright planes, from the floor of the box of the water up to its ceiling, by layers.
+/// The open space between vertical planes, from the floor of the box of the water to its ceiling, in layers.
 class OpenVolume {
  public:
-  /// `part` reaches from the floor to the ceiling of the box of the settings; no axis of it is empty.
+  /// `part` extends from the floor to the ceiling of the box of the settings; it is not empty along any axis.
   OpenVolume(const Box& part, const StandingSolids& solids, const Settings& settings);
 
-  /// Up to where so much water fills it, m.
+  /// The level to which this volume of water fills it, m.
   Real level(Real volume) const;
-  /// Its volume over its area, both up to and at that level, m.
+  /// Its volume up to this level over its area at this level, m.
   Real depth(Real level) const;
-  /// Of that at a level, m².
+  /// Its area at a level, m².
   Real area(Real level) const { return areas_[layer_of(level)]; }
 
  private:
@@ -50,17 +50,17 @@ class OpenVolume {
   std::vector<Real> areas_, volume_;  // of each layer, m²; below each layer, and of all at the end, m³
 };
 
-/// Of the disc of a gauge of height, with its weight, at each height: what is in the box and in no solid.
+/// The open part of the disc of a height gauge, with its weight, at each height: what is in the box and in no solid.
 class OpenDisc {
  public:
   OpenDisc(const GaugeSettings& gauge, const StandingSolids& solids, const Settings& settings);
-  /// At least a fifth of what is in the box.
+  /// At least a fifth of the part in the box.
   Real at(Real z) const;
 
  private:
   Real bottom_, step_;        // m
-  Real in_box_;               // of the disc
-  std::vector<Real> shares_;  // of that, open at heights a step apart; none where no solid is near
+  Real in_box_;               // the part of the disc in the box
+  std::vector<Real> shares_;  // open fractions of it at heights one step apart; empty if no solid is near
 };
 
 }  // namespace trevi

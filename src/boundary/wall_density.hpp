@@ -1,15 +1,15 @@
-// What the walls of the box add to the density of a particle near them, as if the start lattice continued behind them
-// (walls.density = "analytic"). The gradient is the exact derivative of the density, so that a wall returns just the
-// energy that it took: pushes that are not the gradient of a function would add energy for ever.
+// What the walls of the box contribute to the density of a particle near them, as if the initial lattice continued
+// behind them (walls.density = "analytic"). The gradient is the exact derivative of the density, so that a wall returns
+// exactly the energy that it took: forces that are not the gradient of a function would add energy for ever.
 //
-// One plane at distance d adds the fraction w(d) of the rest density. At the distances d_k = (k + 1/2) spacing of the
-// lattice layers w is the fraction that lattice points behind the plane would have, so that the start is at rest
-// density; its slope there is `slope` times that of the missing points (WallSlope). In between w is the monotone
-// rational quadratic of Gregory & Delbourgo (1982); below d_0 it is a straight line; it is zero from the first layer on
-// whose neighbours are all in front of the plane. Several planes are combined by inclusion and exclusion: the fraction
-// behind A or B is A + B − A B r, where r(d_A, d_B) makes edges and corners of the start lattice exact, too. For
-// opposite planes, both near where the box is narrow, different points are missing, so their contributions add up. Not
-// collective.
+// One plane at distance d contributes the fraction w(d) of the rest density. At the distances d_k = (k + 1/2) spacing
+// of the lattice layers, w is the fraction that lattice points behind the plane would contribute, so that the initial
+// state is at rest density; its slope there is `slope` times that of the missing points (WallSlope). In between, w is
+// the monotone rational quadratic of Gregory & Delbourgo (1982); below d_0 it is a straight line; it is zero from the
+// first layer on whose neighbours are all in front of the plane. Several planes are combined by inclusion and
+// exclusion: the fraction behind A or B is A + B − A B r, where r(d_A, d_B) makes edges and corners of the initial
+// lattice exact, too. Opposite planes, which are both near where the box is narrow, lack different points, so their
+// contributions add up. Not collective.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@
 
 namespace trevi {
 
-/// What the walls add at a position: a fraction of the rest density, and its gradient in 1/m.
+/// The contribution of the walls at a position: a fraction of the rest density, and its gradient in 1/m.
 struct BoundaryDensity {
   Real density = 0;
   Vec3 gradient = Vec3::Zero();
@@ -31,35 +31,34 @@ struct BoundaryDensity {
 
 /// Ratio of the slope of w to that of missing particles without multipliers.
 ///
-/// Where sweeps make velocities it is 2: water behind the wall would have multipliers of its own, mirror images of
-/// those in front, and so push twice as much. With 1 the layers crowd at the wall, and a lattice at rest begins to
-/// move: pools of 5 layers gain 0.9 % of energy in 20 s, with 2 less than 0.01 %. Waves lose the same energy with
-/// either.
+/// Where sweeps produce velocities it is 2: water behind the wall would have multipliers of its own, mirror images of
+/// those in front, and so push twice as much. With 1, layers crowd at the wall and a lattice at rest begins to move:
+/// pools of 5 layers gain 0.9 % of energy in 20 s, with 2 less than 0.01 %. Waves lose the same energy with either.
 ///
-/// Where sweeps shift positions only, nothing begins to move, and the slope decides how water lies at a wall. With 2 it
-/// is ordered in layers, and the quarter layers from the wall on hold 0, 2.5, 0.6, 0.5, 1.1, 1.1, 0.9 times what they
-/// should in a dam break; with 1.25 1.2, 0.8, 0.8, 1.1, 1.1, 1.1, 1.0. A particle at the very wall then is 0.15 too
-/// dense for 0.31. With 1 disturbed pools rest at 1.5e-4 m²/s² for 0.5e-4.
+/// Where sweeps only shift positions, nothing begins to move, and the slope determines how water is arranged at a wall.
+/// With 2 it is ordered in layers: in a dam break the quarter layers from the wall on hold 0, 2.5, 0.6, 0.5, 1.1, 1.1,
+/// 0.9 times what they should; with 1.25, they hold 1.2, 0.8, 0.8, 1.1, 1.1, 1.1, 1.0. A particle directly at the wall
+/// is then too dense by 0.15 instead of 0.31. With 1, disturbed pools come to rest at 1.5e-4 m²/s² instead of 0.5e-4.
 struct WallSlope {
   static constexpr Real of_velocities = 2, of_positions = 1.25;
 };
 
 class AnalyticWallDensity {
  public:
-  /// `spacing` and h, in metres, define the lattice that is to be at rest density, of as many dimensions as the kernel;
-  /// `slope` is one of WallSlope.
+  /// `spacing` and h, in metres, define the lattice that is to be at rest density, with as many dimensions as the
+  /// kernel; `slope` is one of WallSlope.
   AnalyticWallDensity(const Box& box, const Kernel& kernel, Real spacing, Real h, Real slope);
 
-  /// Where walls add nothing, which is where most particles are.
+  /// Where walls contribute nothing, which is where most particles are.
   const Box& interior() const { return interior_; }
   /// The fraction at p; zero in the interior.
   BoundaryDensity at(const Vec3& p) const;
-  /// The fraction w of a single plane at a distance, m, and its slope, 1/m; below 0 the straight line goes on.
+  /// The fraction w of a single plane at a distance, m, and its slope, 1/m; below 0 the straight line continues.
   struct OfPlane {
     Real value, slope;
   };
   OfPlane of_plane(Real distance) const;
-  /// From which distance on both are 0, m.
+  /// The distance from which on both are 0, m.
   Real reach() const { return (layers_ + 0.5) * spacing_; }
 
  private:

@@ -66,7 +66,7 @@ SelectionOptions selection_options(const Settings& settings, const FrameSetSetti
   return selection;
 }
 
-// Each in a folder of its own.
+// Each set writes into its own folder.
 void add_frame_set(MPI_Comm comm, const Settings& settings, std::size_t k, FrameOptions options,
                    std::vector<std::unique_ptr<Observer>>& writers) {
   const FrameSetSettings& set = settings.output.frames[k];
@@ -84,7 +84,7 @@ void add_frame_set(MPI_Comm comm, const Settings& settings, std::size_t k, Frame
   writers.push_back(make(comm, std::move(options)));
 }
 
-// Holds the lock of the folder as long as it lives.
+// Holds the lock of the folder during its lifetime.
 class FolderLock : public Observer {
  public:
   FolderLock(MPI_Comm comm, const std::string& directory) : lock_(comm, directory) {}
@@ -116,7 +116,7 @@ std::vector<std::unique_ptr<Observer>> make_writers(MPI_Comm comm, const Setting
 std::vector<std::unique_ptr<Observer>> make_writers_and_folder(MPI_Comm comm, const Settings& settings,
                                                                const WriterOptions& options) {
   if (needs_vtk(settings.output)) require_vtk();
-  // A run that goes on may do so in its own folder.
+  // A run that continues may do so in its own folder.
   if (!options.restart_step) check_output_directory(comm, options.directory, std::nullopt);
   make_output_directory(comm, options.directory);
   auto lock = std::make_unique<FolderLock>(comm, options.directory);

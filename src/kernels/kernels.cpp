@@ -27,7 +27,7 @@ constexpr std::size_t index_of(std::type_identity<std::tuple<Listed...>>) {
   return index;
 }
 
-// A kernel in the plane: the same shape with another factor.
+// The two-dimensional form of a kernel: the same shape with another factor.
 template <class K>
 struct InPlane {
   static constexpr Real per_space(Real h) { return K::in_plane * h; }
@@ -151,8 +151,8 @@ Real lattice_jacobi_eigenvalue(const Kernels& kernels, const PointLattice& latti
   });
   const std::array<Real, 24> sine = sines_of_twelfths();
   Real largest = 0;
-  // k = π/spacing (x, y, z)/12 with 12 >= x >= y >= z >= 0; the other waves are mirror images. In the plane y counts
-  // for nothing.
+  // k = π/spacing (x, y, z)/12 with 12 >= x >= y >= z >= 0; the other waves are mirror images. In two dimensions y has
+  // no effect.
   for (int x = 0; x <= 12; ++x) {
     for (int y = 0; y <= x; ++y) {
       for (int z = 0; z <= y; ++z) {

@@ -1,9 +1,9 @@
 // The smoothing kernels at run time: one Kernel describes each type of the list (kernels/list-inl.hpp), so that no
 // other code depends on which kernel it uses. The pair loops sum the dimensionless shapes W(r)/W(0) and
 // (−dW/dr)/slope_factor r̂; the factors here give these sums their units. A density constraint has two kernels, one for
-// the density and one for the gradient along which particles are shifted: where they are the same, shifts are along the
-// gradient of the constraint itself. Each kernel has a form in the plane, of the same shape, for scenes in two
-// dimensions: its integral over the plane is 1, and its unit 1/m². Not collective.
+// the density and one for the gradient along which particles are shifted; if they are the same, shifts are along the
+// gradient of the constraint itself. Each kernel has a two-dimensional form with the same shape: its integral over the
+// plane is 1, and its unit 1/m². Not collective.
 #pragma once
 
 #include <span>
@@ -15,7 +15,7 @@
 
 namespace trevi {
 
-/// The lattice on which water starts: cubic, or, in two dimensions, square in the plane of x and z.
+/// The initial lattice of the water: cubic, or, in two dimensions, square in the plane of x and z.
 struct PointLattice {
   PointLattice(Real edge, int axes = 3) : spacing(edge), dimensions(axes) {}
   Real spacing;    ///< m
@@ -23,9 +23,9 @@ struct PointLattice {
 };
 PointLattice lattice_of(const FluidSettings& fluid);
 
-/// All lengths in metres. In two dimensions units have a metre less below the line.
+/// All lengths in metres. In two dimensions the denominators of units have one metre less.
 struct Kernel {
-  std::string_view name;                    ///< by which a scene names it
+  std::string_view name;                    ///< the name in scenes
   int dimensions;                           ///< in which its integral is 1: 2 or 3
   std::size_t index;                        ///< in the list
   std::size_t gradient_index;               ///< of the gradient kernel to use by default with this density kernel
@@ -39,7 +39,7 @@ struct Kernel {
 /// In the order of the list.
 std::span<const Kernel> all_kernels(int dimensions = 3);
 std::vector<std::string> kernel_names();
-/// Throws InputError where there is no kernel of this name.
+/// Throws InputError if there is no kernel of this name.
 const Kernel& kernel_named(std::string_view name, int dimensions = 3);
 
 /// The two kernels of a density constraint.
@@ -50,19 +50,19 @@ Kernels kernels_of(const FluidSettings& fluid);
 
 /// Sum of the kernel over a lattice of as many dimensions around one of its points, itself included, 1/m³; h in metres.
 Real lattice_density_sum(const Kernel& kernel, const PointLattice& lattice, Real h);
-/// The weight F of the friction between two particles a distance u h apart, (1 − u²)^(3/2), (1 − u²)² in two
-/// dimensions; zero from u = 1 on. On a plane, or line, z away it adds up to a multiple of (1 − z²/h²)^(5/2), so that
-/// Σ F x² and Σ F z² over layers a spacing apart along z are alike within 1.5 % at h = 2 s and 0.4 % from 2.5 s on,
-/// however the particles lie in their layers. With Poly6 they differ by 7 % at h = 2 s.
+/// The weight F of the friction between two particles a distance u h apart: (1 − u²)^(3/2), in two dimensions (1 −
+/// u²)²; zero from u = 1 on. Over a plane, or line, at distance z it adds up to a multiple of (1 − z²/h²)^(5/2). Σ F x²
+/// and Σ F z² over layers one spacing apart along z therefore agree within 1.5 % at h = 2 s and 0.4 % from 2.5 s on,
+/// however the particles are arranged in their layers. With Poly6 they differ by 7 % at h = 2 s.
 Real friction_weight(Real u2, int dimensions);
 /// Σ F over the lattice around one of its points, itself included.
 Real lattice_friction_sum(const PointLattice& lattice, Real h);
 /// ½ Σ F x² over the same points, m²: Σ_j (v_j − v_i) F(p_ij) is this times ∇²v, to the second order of v's Taylor
 /// series (the first vanishes by symmetry, and x², y², z² have the same sums).
 Real lattice_laplacian_moment(const PointLattice& lattice, Real h);
-/// The ε, m², with which the sum over this moment is ∇²v + ε ∇⁴v, on the average of all directions.
+/// The ε, m², for which the sum divided by this moment is ∇²v + ε ∇⁴v, averaged over all directions.
 Real lattice_laplacian_truncation(const PointLattice& lattice, Real h);
-/// Points of the lattice nearer than h, without the point itself.
+/// Number of lattice points nearer than h, without the point itself.
 int lattice_neighbours(const PointLattice& lattice, Real h);
 
 /// Largest eigenvalue mu of a Jacobi sweep with relaxation 1 on the infinite lattice. `volume` V is the mass of a

@@ -1,4 +1,4 @@
-// What the pair loops need of a smoothing kernel, for a vector of pairs at a time. Each kernel specialises
+// The interface of a smoothing kernel for the pair loops, for a vector of pairs at a time. Each kernel specialises
 // Shape<Kernel> beside its scalar type (poly6-inl.hpp) with two functions of the distance u = r/h, both zero from u = 1
 // on:
 //   value(d, distance)   W(r)/W(0), as two factors: the loops fuse the last product with the addition to the sum

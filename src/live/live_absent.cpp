@@ -1,4 +1,4 @@
-// Stands in for the module of live viewing in a build without it.
+// Replaces the module of live viewing in a build without it.
 #include "live/live_view.hpp"
 #include "trevi/error.hpp"
 

@@ -24,7 +24,7 @@ void finish_collective(MPI_Request& request, bool asleep) {
     std::this_thread::sleep_for(test_interval);
 }
 
-/// All ranks' particles on rank 0, in rank order.
+/// The particles of all ranks on rank 0, in rank order.
 void gather(MPI_Comm comm, const std::vector<ViewedParticle>& mine, ViewedFrame& frame) {
   const int size = size_of(comm), count = static_cast<int>(mine.size());
   std::vector<int> counts(static_cast<std::size_t>(size)), starts(counts.size());
@@ -105,7 +105,7 @@ LiveView::Orders LiveView::decide(std::int64_t step) {
   return orders;
 }
 
-// Called again and again while the run is held; each single step asked for is granted once.
+// Called repeatedly while the run is held; each single step that was asked for is granted once.
 bool LiveView::to_be_held() {
   const ViewerWishes& wishes = options_.link->wishes();
   const bool leave = over_ || wishes.stop || (options_.requests && stop_reason(options_.requests()));

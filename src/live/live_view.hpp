@@ -1,9 +1,10 @@
-// An observer that shows the run to a viewer and lets it steer: pause, single steps, stop.
-// Frames are on credit: one is gathered and sent only after the viewer has seen the last one, so the run never waits
-// for a slow viewer, and only what can be seen is sent (io/frames/visible.hpp). A pause holds all ranks here, between
-// two steps, asleep but for a look at the link every few milliseconds; it ends with the viewer's wish, with the viewer,
-// or when the run is asked to stop by other means (a signal, the stop file, the wall limit). Invariant: it never
-// changes the particles, and all ranks do the same, as rank 0 tells them every step what to do. Collective.
+// An observer that shows the run to a viewer and lets it steer: pause, single steps, stop. Frames are sent on credit:
+// one is gathered and sent only after the viewer has received the last one, so the run never waits for a slow viewer,
+// and only particles that can be seen are sent (io/frames/visible.hpp). A pause holds all ranks here, between two
+// steps, asleep except for a check of the link every few milliseconds. It ends when the viewer asks for that, when the
+// viewer is gone, or when the run is asked to stop by other means (a signal, the stop file, the wall limit). Invariant:
+// the observer never changes the particles, and all ranks do the same, because rank 0 tells them every step what to do.
+// Collective.
 #pragma once
 
 #include <functional>
@@ -21,7 +22,7 @@ struct LiveViewOptions {
   std::shared_ptr<ViewerLink> link;         ///< rank 0 only
   std::function<RequestCounts()> requests;  ///< of this rank, from outside; may be empty
   ViewedScene scene;
-  Real cell = 0.2;  ///< m, for what can be seen: the kernel radius
+  Real cell = 0.2;  ///< m, for visibility: the kernel radius
   ColourScale colour;
 };
 
@@ -35,7 +36,7 @@ class LiveView : public Observer {
   void finish(const Frame& frame) override;
 
  private:
-  /// What rank 0 tells all ranks.
+  /// The orders of rank 0 to all ranks.
   struct Orders {
     std::int64_t hold = 0, frame = 0, density = 0, budget = 0;
   };
@@ -48,10 +49,10 @@ class LiveView : public Observer {
 
   MPI_Comm comm_;
   LiveViewOptions options_;
-  bool density_ = false;           ///< the viewer wishes for it
+  bool density_ = false;           ///< whether the viewer asks for it
   bool over_ = false;              ///< the run makes no more steps
-  std::int64_t sent_ = -1;         ///< rank 0: step of the last frame this viewer got
-  std::int64_t single_steps_ = 0;  ///< rank 0: of this viewer's, those made
+  std::int64_t sent_ = -1;         ///< rank 0: step of the last frame that this viewer received
+  std::int64_t single_steps_ = 0;  ///< rank 0: number of single steps made for this viewer
 };
 
 std::unique_ptr<Observer> make_live_view(MPI_Comm comm, LiveViewOptions options);

@@ -47,7 +47,7 @@ ViewerKey read_key(const std::string& path) {
   return key_of_secret(std::string(text.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0))), path);
 }
 
-/// Leaves a file that is there already, even one that was made at this moment.
+/// Leaves an existing file alone, even one that was created at this moment.
 void write_key(const std::string& path, const std::string& secret) {
   const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

@@ -13,15 +13,15 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr int max_waiting = 4;                  // messages in a queue; credit allows one frame anyway
-constexpr int last_message = 1000;              // ms the last message may take once the run is over
+constexpr int last_message = 1000;              // ms that the last message may take once the run is over
 constexpr std::int64_t longest_wish = 1 << 16;  // bytes
 constexpr int reconnect = 200;                  // ms between calls while nobody answers
 constexpr int heartbeat = 2000;                 // ms
 constexpr int presumed_gone = 10000;            // ms without a heartbeat: a stopped process, a cut line
-constexpr int look_interval = 5;                // ms between looks at the line while greeting
+constexpr int look_interval = 5;                // ms between checks of the line while greeting
 constexpr auto to_answer = milliseconds(500), to_wish = milliseconds(5000);  // patience with a viewer
 
-/// What ZeroMQ's thread sees of the line: it is the one to know at once that a viewer was killed.
+/// What ZeroMQ's thread sees of the line: it knows immediately when a viewer was killed.
 class LineMonitor : public zmq::monitor_t {
  public:
   bool went_up() { return std::exchange(up_, false); }

@@ -26,7 +26,7 @@ std::string text_of_kind(const char* kind, Json content) {
   return content.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Calls read(json) for a message of this kind; nothing when there is anything wrong with it.
+/// Calls read(json) for a message of this kind; does nothing if there is anything wrong with it.
 template <class T, class Read>
 std::optional<T> of_kind(const char* kind, const std::string& text, Read read) {
   try {
@@ -44,10 +44,10 @@ Vec3 vector_of(const Json& json) {
   return Vec3(json.at(0).get<Real>(), json.at(1).get<Real>(), json.at(2).get<Real>());
 }
 
-/// JSON has no nan: null stands for it.
+/// JSON has no nan: null represents it.
 Real number_of(const Json& json) { return json.is_null() ? NAN : json.get<Real>(); }
 
-/// JSON's library makes whole numbers of any, 1e300 and 2^63 included; what is no count is damage.
+/// The JSON library converts any number to an integer, 1e300 and 2^63 included; a value that is no count means damage.
 std::int64_t whole(const Json& json, std::int64_t least, std::int64_t most = std::int64_t{1} << 62) {
   const bool fits = json.is_number_integer() && (!json.is_number_unsigned() || json.get<std::uint64_t>() <= INT64_MAX);
   const std::int64_t value = fits ? json.get<std::int64_t>() : least - 1;
@@ -61,7 +61,7 @@ Real positive(const Json& json) {
   return value;
 }
 
-/// Whether the counts of the ranks are those of so many particles.
+/// Whether the counts of the ranks add up to this number of particles.
 bool add_up(const std::vector<std::int64_t>& counts, std::int64_t particles) {
   for (const std::int64_t count : counts) {
     if (count > particles) return false;

@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "multigrid/column_loops.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -13,8 +13,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// put(tag, c) for vectors from cell c on, and one by one for the rest. Not longer ones than of four: few columns have
-// as many cells.
+// Calls put(tag, c) for vectors from cell c on, and one by one for the rest. Vectors have at most four lanes, because
+// few columns have more cells.
 template <class Put>
 HWY_INLINE void for_each_vector(std::size_t count, const Put& put) {
   const hn::CappedTag<double, 4> d;

@@ -8,8 +8,8 @@ namespace trevi {
 
 namespace {
 
-// Least pivot of a column's elimination, as a fraction of its diagonal. Below that nothing holds phi: a box full of
-// water to its ceiling. It is then counted from the highest cell.
+// Least pivot of the elimination in a column, as a fraction of its diagonal. Below that nothing fixes phi, as in a box
+// that is full of water up to its ceiling; phi is then measured relative to the highest cell.
 constexpr Real min_pivot = 1e-10;
 
 }  // namespace
@@ -66,7 +66,7 @@ void MultigridLevel::factor_column(LocalId k, LocalId r) {
   top_[row_index(k, r)] = count;
 }
 
-// In `next`: rhs and what comes from the sides.
+// In `next`: rhs and the contributions of the sides.
 void MultigridLevel::gather_column(const Column& column) {
   const auto [at, count] = column;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
@@ -79,8 +79,8 @@ void MultigridLevel::gather_column(const Column& column) {
   y[count - 1] += wz[count] * x[count];
 }
 
-// Solves columns for `next`, in place, by elimination from the floor up. Each step of a column waits for the one
-// before, so the steps of several columns are taken in turns.
+// Solves columns for `next`, in place, by elimination from the floor up. Each step in a column depends on the previous
+// one, so the steps of several columns are interleaved.
 void MultigridLevel::solve_columns(std::span<const Column> columns) {
   if (columns.size() != together) {
     for (const Column& column : columns) {
@@ -195,13 +195,13 @@ MultigridLevel::Children MultigridLevel::children_of(const LevelShape& coarse, L
           plane + 1 < shape_.all_planes ? 1.0 : 0.0};
 }
 
-// The plane of `coarse` that holds plane k here, which may be a ghost plane of both.
+// The plane of `coarse` that contains plane k of this level; it may be a ghost plane of both.
 LocalId MultigridLevel::parent_of(const LevelShape& coarse, LocalId k) const {
   const LocalId plane = k - 1 + shape_.first;
   return (plane == shape_.all_planes ? coarse.all_planes + 1 : (plane + 2) / 2) - coarse.first;
 }
 
-// The same of rows.
+// The same for rows.
 LocalId MultigridLevel::parent_row_of(const LevelShape& coarse, LocalId r) const {
   const LocalId row = r + shape_.first_row;
   return (row == shape_.all_rows ? coarse.all_rows : (row + 2) / 2 - 1) - coarse.first_row;
@@ -212,9 +212,9 @@ LocalId LevelShape::distance_below(std::size_t a, LocalId k) const {
   return k == 0 || k == last ? width + last_width[a] : 2 * width;
 }
 
-// Of the sum of links across the lower face of plane or row k of `coarse`: a half, as the distance is twice as long.
-// Where the level repeats, the last one may be narrow, and the distance to its neighbours shorter; one that is alone
-// has no neighbour.
+// The fraction of the sum of links across the lower face of plane or row k of `coarse`: a half, because the distance is
+// twice as long. If the level is periodic, the last one may be narrow, and the distance to its neighbours shorter; a
+// single one has no neighbour.
 Real MultigridLevel::fraction_of_link(const LevelShape& coarse, std::size_t a, LocalId k) const {
   if (!coarse.repeats[a]) return 0.5;
   if (coarse.count(a) == 1) return 0;

@@ -14,8 +14,8 @@ namespace {
 
 // The damping of a sweep: less than 1 to damp what changes sign from column to column.
 constexpr Real damping = 0.8;
-// Sweeps before and after the correction by the coarser level, and on the coarsest. With these a cycle leaves a tenth
-// to a fifth of an error; see tests/multigrid/test_multigrid.cpp.
+// Sweeps before and after the correction by the coarser level, and on the coarsest. With these a cycle reduces an error
+// to between a tenth and a fifth; see tests/multigrid/test_multigrid.cpp.
 constexpr int sweeps = 2, coarsest_sweeps = 4;
 
 }  // namespace
@@ -49,7 +49,7 @@ CellWindow Multigrid::own_window(std::size_t l) const {
   return window_on_level(cuts_.window(rank_of(comm_), all_rows_), static_cast<int>(l));
 }
 
-// Where this rank stands on a level.
+// The position of this rank on a level.
 void Multigrid::place_level(std::size_t l, bool same_cuts) {
   const int number = static_cast<int>(l);
   Level& level = levels_[l];
@@ -80,16 +80,16 @@ void Multigrid::place_level(std::size_t l, bool same_cuts) {
     level.made = {{own.planes.begin + 1, own.planes.end + 1}, own.rows.size(), columns, own.rows.begin};
 }
 
-// Of fields of a gathered level: the cells of all ranks. All fields go in one reduction, in which each cell has the
-// bits that its owner gives it and zeros from all others: it takes rounds as the logarithm of the ranks, and nothing is
-// counted by rank.
+// For fields of a gathered level: obtains the cells of all ranks. All fields are in one reduction, in which each cell
+// has the bits from its owner and zeros from all others: the number of rounds is the logarithm of the number of ranks,
+// and no count per rank is needed.
 void Multigrid::gather(std::size_t l, std::initializer_list<Borrowed<Real>*> fields) {
   const LevelShape& shape = levels_[l].cells.shape();
   const std::size_t row = shape.step(1), rows = static_cast<std::size_t>(shape.rows);
   const std::size_t of_field = static_cast<std::size_t>(shape.planes) * rows * row, all = of_field * fields.size();
   Borrowed<Real> cells = scratch_->borrow<Real>(all);
   cells.fill(0);
-  // visit(where a row of a field is in it, and in the reduction) for those of a window.
+  // Calls visit(index of a row of a field in the field, and in the reduction) for the rows of a window.
   const auto for_each_row_of = [&](const CellWindow& window, const auto& visit) {
     Real* packed = cells.data();
     for (auto* field : fields) {
@@ -109,7 +109,7 @@ void Multigrid::gather(std::size_t l, std::initializer_list<Borrowed<Real>*> fie
                   [&](Real* in_field, Real* packed) { std::copy_n(packed, row, in_field); });
 }
 
-// Fields of the coarse levels from those of the finest; and what levels do not know of their ghost planes.
+// Fields of the coarse levels from those of the finest, and the values that levels lack in their ghost planes.
 void Multigrid::join_levels(Halo& halo) {
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     MultigridLevel& cells = levels_[l].cells;
@@ -118,7 +118,7 @@ void Multigrid::join_levels(Halo& halo) {
       complete(l, {&cells.link[0], &cells.link[1], &cells.link[2], &cells.dirichlet}, halo);
     } else {
       complete(l, {&cells.dirichlet}, halo);
-      // Of the plane above links are known, of the row after the own ones those across their lower faces alone.
+      // Links are known in the plane above; in the row after the own rows, only those across their lower faces.
       if (cells.shape().rows_are_cut()) complete(l, {&cells.link[0], &cells.link[1], &cells.link[2]}, halo);
     }
     for (auto& field : cells.link) cells.repeat(field);
@@ -133,7 +133,7 @@ void Multigrid::exchange(Level& level, Halo& halo, Borrowed<Real>& field) const 
   level.cells.repeat(field);
 }
 
-// Finds the cells of fields that other ranks have made and this one needs.
+// Obtains the cells of fields that other ranks have made and this one needs.
 void Multigrid::complete(std::size_t l, std::initializer_list<Borrowed<Real>*> fields, Halo& halo) {
   if (is_gathered_here(l)) return gather(l, fields);
   const CellPeers upper = upper_zones(levels_[l].peers);
@@ -180,7 +180,7 @@ void Multigrid::cycle(Halo& halo) {
   }
 }
 
-// A single column is solved at once.
+// A single column is solved exactly by one sweep.
 void Multigrid::sweep_coarsest(Halo& halo) {
   Level& level = levels_.back();
   const bool single = level.cells.shape().all_planes == 1 && level.cells.shape().all_rows == 1;
@@ -190,10 +190,10 @@ void Multigrid::sweep_coarsest(Halo& halo) {
   for (int s = levels_.size() > 1 ? 1 : 0; s < count; ++s) sweep(level, halo, weight);
 }
 
-// What the neighbours wait for goes first.
+// What the neighbours wait for is sent first.
 void Multigrid::sweep(Level& level, Halo& halo, Real weight) const {
   const LocalId planes = level.cells.shape().planes, rows = level.cells.shape().rows;
-  // Of the rows of a plane, at either end; a rank may have all rows of a level, and others look at them all the same.
+  // The rows of a plane at either end; even if a rank has all rows of a level, others access them.
   const LocalId beside = cuts_.parts > 1 ? 1 : 0;
   const Range inner{beside, rows - beside};
   const bool ahead = !level.gathered && planes > 1 && inner.size() > 0 && size_of(comm_) > 1;

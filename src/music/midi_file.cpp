@@ -9,10 +9,10 @@ namespace trevi {
 
 namespace {
 
-/// What the time of one event can hold, four bytes of seven bits; no piece comes near it.
+/// The largest time that one event can hold, four bytes of seven bits; no piece comes near it.
 constexpr std::int64_t max_ticks = (1 << 28) - 1;
 
-/// A position in the file that moves forward and never past the end, neither of the file nor of a chunk.
+/// A position in the file that moves forward and never beyond the end, neither of the file nor of a chunk.
 class Cursor {
  public:
   Cursor(const std::string& name, const std::string& bytes) : name_(name), bytes_(bytes), end_(bytes.size()) {}
@@ -54,7 +54,7 @@ class Cursor {
     at_ += 4;
     return true;
   }
-  /// From here on the end is that of a chunk; returns where it was.
+  /// From here on the end is that of a chunk; returns the previous end.
   std::size_t enter(std::int64_t length) {
     need(static_cast<std::size_t>(length), "a chunk");
     const std::size_t outer = end_;
@@ -79,15 +79,15 @@ class Cursor {
 };
 
 struct Tempo {
-  std::int64_t tick = 0;       ///< from which it holds
+  std::int64_t tick = 0;       ///< from which it applies
   Real microseconds = 500000;  ///< per quarter note; the default of the format
   Real time = 0;               ///< s, of that tick
 };
 
-/// Turns ticks into seconds.
+/// Converts ticks to seconds.
 class TempoMap {
  public:
-  /// `changes` in the order of the tracks; of those at one tick the last holds.
+  /// `changes` in the order of the tracks; of those at one tick the last applies.
   TempoMap(std::vector<Tempo> changes, std::int64_t ticks_per_quarter) : ticks_(static_cast<Real>(ticks_per_quarter)) {
     std::stable_sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) { return a.tick < b.tick; });
     for (Tempo& change : changes) {
@@ -109,7 +109,7 @@ class TempoMap {
   std::vector<Tempo> map_{1};
 };
 
-/// What a file holds, in ticks.
+/// The content of a file, in ticks.
 struct Contents {
   MidiFile file;
   std::vector<Tempo> tempi;

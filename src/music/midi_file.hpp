@@ -1,6 +1,6 @@
-// The notes of a Standard MIDI File, format 0 or 1, at their times in seconds by the file's tempo map. The file is
-// checked to its last event, and an error names the byte. Invariant: events of a track are in order of time. Not
-// collective. Format: Standard MIDI Files 1.0 (MIDI Manufacturers Association, RP-001).
+// The notes of a Standard MIDI File, format 0 or 1, at their times in seconds according to the file's tempo map. The
+// file is checked to its last event, and an error names the byte. Invariant: events of a track are in order of time.
+// Not collective. Format: Standard MIDI Files 1.0 (MIDI Manufacturers Association, RP-001).
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace trevi {
 
-/// A note begins or ends.
+/// The beginning or the end of a note.
 struct MidiEvent {
   std::int64_t tick = 0;
   int track = 0, channel = 0;  ///< from 1

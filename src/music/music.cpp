@@ -17,7 +17,7 @@ const Tone* Melody::at(Real time) const {
   return &*std::prev(after);
 }
 
-// A sweep over all starts and ends; between two of them the highest of the notes that sound is the tone.
+// A sweep over all starts and ends; between two of them the tone is the highest of the notes that sound.
 Melody melody_of_notes(std::vector<Tone> notes) {
   Melody melody;
   std::erase_if(notes, [](const Tone& note) { return note.stop <= note.start; });
@@ -41,7 +41,7 @@ Melody melody_of_notes(std::vector<Tone> notes) {
     if (!sounding.empty() && change.time > since) melody.tones.push_back({since, change.time, *sounding.rbegin()});
     since = change.time;
     if (change.begins) sounding.insert(change.height);
-    // A note's start comes before its end in the list, whatever else happens at these times.
+    // The start of a note precedes its end in the list, whatever else happens at these times.
     if (!change.begins) sounding.erase(sounding.find(change.height));
   }
   return melody;

@@ -1,8 +1,8 @@
 // Music as the speed of a fountain's pump: a score, a MIDI file or a sound file becomes a Melody, a Melody a Pump.
 // Invariant: a Melody plays one tone at a time (of notes that overlap the highest sounds), and where none sounds the
-// pump is off; a higher tone never gives a lower speed. Times are simulated times: the piece begins at time 0.
-// The same bytes give the same Melody on all ranks. Collective: make_music_pump() only, which reads the file on rank 0.
-// A build without this module has music_absent.cpp in its place.
+// pump is off; a higher tone never gives a lower speed. Times are simulated times: the piece begins at time 0. The same
+// bytes give the same Melody on all ranks. Collective: make_music_pump() only, which reads the file on rank 0. A build
+// without this module has music_absent.cpp in its place.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@
 
 namespace trevi {
 
-/// A stretch of time, start included and stop not, with one height: a MIDI number (60 is the C in the middle, 69 the A
+/// An interval of time, including its start but not its stop, with one height: a MIDI number (60 is middle C, 69 the A
 /// of 440 Hz), or a loudness, 1 for the loudest of the piece.
 struct Tone {
   Real start = 0, stop = 0;  ///< s
@@ -29,7 +29,7 @@ struct Tone {
 struct Melody {
   Follow follow = Follow::pitch;
   std::vector<Tone> tones;       ///< in order of time, never two at a time
-  Real lowest = 0, highest = 1;  ///< what the ends of speed_range stand for
+  Real lowest = 0, highest = 1;  ///< what the ends of speed_range represent
 
   /// The tone that sounds at a time, or null.
   const Tone* at(Real time) const;
@@ -38,25 +38,26 @@ struct Melody {
 /// The melody of notes in any order: the highest of those that sound together, over the range of all of them.
 Melody melody_of_notes(std::vector<Tone> notes);
 
-/// MIDI number of a note name: a letter, # or b, an octave ("C4" is 60, "Bb3" is 58); nothing when it is none.
+/// MIDI number of a note name: a letter, # or b, an octave ("C4" is 60, "Bb3" is 58); nothing if it is not a note name.
 std::optional<Real> note_number(std::string_view name);
 
 /// A text score: lines "time pitch length", in seconds, the pitch a note name or a MIDI number from 0 to 127; # begins
 /// a comment. `name` is for messages. InputError lists the bad lines as "name:line: ...".
 Melody read_score(const std::string& name, const std::string& text);
 
-/// A Standard MIDI File, format 0 or 1, its tempo map followed. `track` and `channel` as in MusicSettings; the notes of
-/// other tracks and channels do not count for the range. InputError names the byte where the file is damaged.
+/// A Standard MIDI File, format 0 or 1, according to its tempo map. `track` and `channel` as in MusicSettings; the
+/// notes of other tracks and channels do not count for the range. InputError names the byte where the file is damaged.
 Melody read_midi(const std::string& name, const std::string& bytes, const MusicSettings& settings);
 
-/// A sound file, all channels as one, by loudness or by pitch (sound.hpp). InputError for an empty or silent one.
+/// A sound file, with all channels combined, by loudness or by pitch (sound.hpp). InputError for an empty or silent
+/// one.
 Melody read_sound(const std::string& name, const std::string& bytes, Follow follow);
 
-/// What the bytes of settings.source, a file, hold, by its kind.
+/// The melody in the bytes of settings.source, a file, according to its kind.
 Melody read_melody(const std::string& bytes, const MusicSettings& settings);
 
-/// Maps x in [0, 1], low to high, to a speed: linear in x is the speed, or its square, so that equal steps of x are
-/// equal steps of energy and of the height v²/2g of a jet.
+/// Maps x in [0, 1], low to high, to a speed. Either the speed is linear in x, or its square, so that equal steps of x
+/// are equal steps of energy and of the height v²/2g of a jet.
 class SpeedScale {
  public:
   explicit SpeedScale(const MusicSettings& settings) : range_(settings.speed_range), mapping_(settings.mapping) {}

@@ -1,4 +1,4 @@
-// Stands in for the music module in a build without it.
+// Replaces the music module in a build without it.
 #include "music/music.hpp"
 #include "music/sound.hpp"
 #include "trevi/error.hpp"

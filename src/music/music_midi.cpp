@@ -25,7 +25,7 @@ std::string list_of(const Voices& voices) {
   return text;
 }
 
-/// Pairs note-ons with note-offs. The note that began first ends first, where one is struck again before its end.
+/// Pairs note-ons with note-offs. If a note is struck again before its end, the one that began first ends first.
 class NoteCollector {
  public:
   explicit NoteCollector(const MusicSettings& settings) : settings_(settings) {}
@@ -50,7 +50,7 @@ class NoteCollector {
     return std::move(notes_);
   }
   const Voices& voices() const { return voices_; }
-  /// Whether all that was wanted began where the piece ends, so that there is nothing to hear.
+  /// Whether all notes that were chosen begin where the piece ends, so that there is nothing to hear.
   bool only_unended() const { return notes_.empty() && !sounding_.empty(); }
 
  private:

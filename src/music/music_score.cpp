@@ -10,7 +10,7 @@ namespace trevi {
 
 namespace {
 
-/// Beyond this many a list of problems tells nothing new.
+/// A list with more problems than this tells nothing new.
 constexpr int max_problems = 10;
 
 std::optional<Real> number_of(std::string_view word) {

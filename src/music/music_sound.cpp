@@ -16,7 +16,7 @@ namespace {
 constexpr Real hop = 0.01;                                 // s, from one moment to the next
 constexpr Real min_peak = 1e-4;                            // of full scale (-80 dB): what never gets louder is silent
 constexpr int smoothing_radius = 3;                        // moments before and after, for the median of a pitch
-constexpr std::size_t held = 5;                            // moments a pitch must last to count
+constexpr std::size_t held = 5;                            // moments that a pitch must last to count
 constexpr std::size_t max_samples = std::size_t{1} << 28;  // silence packs into next to nothing
 constexpr Real near = 1;                                   // semitones within which a pitch is the same
 
@@ -44,8 +44,8 @@ struct Memory {
   static sf_count_t tell(void* self) { return of(self).at; }
 };
 
-// A WAV file says in its bytes 4 to 7 how many follow; 0 or some 2 or 4 GB where its recorder could not come back, as
-// into a pipe. The last byte may be one that fills up an even number.
+// Bytes 4 to 7 of a WAV file contain the number of bytes that follow; 0 or about 2 or 4 GB if its recorder could not
+// return to them, as when writing into a pipe. The last byte may be padding to an even number.
 void check_whole(const std::string& name, const std::string& bytes) {
   constexpr std::size_t head = 8;
   if (bytes.size() < head + 4 || !bytes.starts_with("RIFF") || bytes.compare(head, 4, "WAVE") != 0) return;
@@ -83,8 +83,8 @@ Mixes mixes_of(const std::string& name, SNDFILE* file, std::size_t channels, std
   return mixes;
 }
 
-// Channels in opposite phase cancel in their mean. Where that leaves less than a hundredth of the power of one of them,
-// that one is what a listener hears.
+// Channels in opposite phase cancel in their mean. If that leaves less than a hundredth of the power of one of them, a
+// listener hears that one.
 Recording heard_of(const std::string& name, SNDFILE* file, const SF_INFO& info) {
   constexpr Real cancelled = 0.01;
   const auto channels = static_cast<std::size_t>(info.channels);
@@ -164,7 +164,7 @@ Melody by_loudness(const std::vector<Heard>& moments, Real peak) {
   return melody;
 }
 
-/// The median over the moments nearby that have a pitch, which an octave error in one of them does not move.
+/// The median over the nearby moments that have a pitch; an octave error in one of them does not change it.
 Real steady_pitch(const std::vector<Heard>& moments, std::size_t k) {
   if (std::isnan(moments[k].pitch)) return NAN;
   std::vector<Real> nearby;

@@ -1,4 +1,4 @@
-// Stands in for music_sound.cpp in a build without libsndfile.
+// Replaces music_sound.cpp in a build without libsndfile.
 #include "music/sound.hpp"
 #include "trevi/error.hpp"
 

@@ -13,7 +13,7 @@ constexpr Real lowest_voice = 60, highest_voice = 1500;  // Hz
 constexpr Real min_rate = 11025;                         // Hz, enough for the highest voice
 constexpr Real periodic = 0.15;                          // YIN's threshold for a period, its authors' 0.1 to 0.15
 
-/// Means of groups of samples: a lower rate, and less of what lies above it.
+/// Means of groups of samples: a lower sample rate, and less of the frequencies above it.
 std::vector<Real> thinned(std::span<const float> samples, std::size_t group) {
   std::vector<Real> means(samples.size() / group, 0.0);
   for (std::size_t k = 0; k < means.size(); ++k) {
@@ -23,7 +23,7 @@ std::vector<Real> thinned(std::span<const float> samples, std::size_t group) {
   return means;
 }
 
-/// YIN's difference d(lag) over its mean up to that lag: 1 where nothing repeats, 0 at a perfect period.
+/// YIN's difference d(lag) over its mean up to that lag: 1 if nothing repeats, 0 at a perfect period.
 std::vector<Real> differences(const std::vector<Real>& x, std::size_t longest) {
   std::vector<Real> relative(longest + 1, 1.0);
   const std::size_t terms = x.size() - longest;
@@ -37,7 +37,7 @@ std::vector<Real> differences(const std::vector<Real>& x, std::size_t longest) {
   return relative;
 }
 
-/// The bottom of the parabola through three points one apart, relative to the middle one.
+/// The minimum of the parabola through three points one apart, relative to the middle one.
 Real bottom(Real left, Real middle, Real right) {
   const Real bend = left - 2 * middle + right;
   return bend > 0 ? 0.5 * (left - right) / bend : 0;
@@ -72,7 +72,7 @@ Real Ear::pitch(std::span<const float> samples) const {
   while (lag < longest && d[lag + 1] < d[lag]) ++lag;
   if (lag >= longest || !(d[lag] < periodic)) return NAN;
   const Real period = static_cast<Real>(lag) + bottom(d[lag - 1], d[lag], d[lag + 1]);
-  // In steps of a 4096th of a semitone, as the last bit of a logarithm differs between versions of the C library.
+  // In steps of 1/4096 of a semitone, because the last bit of a logarithm differs between versions of the C library.
   return std::round(4096 * (69 + 12 * std::log2(rate / period / 440))) / 4096;
 }
 

@@ -1,8 +1,8 @@
-// What is heard in a moment of sound: its loudness, and the pitch of a single voice. For sound files and live sound.
-// A moment is a window of 40 ms, weighted by a Hann window for the loudness (RMS). Pitch by YIN (de Cheveigné and
-// Kawahara, 2002), from 60 to 1500 Hz, on samples thinned to about 11 kHz; noise and chords have none.
-// Live sound is raw PCM: 16 bits, little-endian, one channel. What it gives is the one thing in a run that cannot be
-// reproduced. Collective: making a LiveSound, and listen().
+// What is heard in a moment of sound: its loudness, and the pitch of a single voice. For sound files and live sound. A
+// moment is a window of 40 ms, weighted by a Hann window for the loudness (RMS). Pitch by YIN (de Cheveigné and
+// Kawahara, 2002), from 60 to 1500 Hz, on samples reduced to about 11 kHz; noise and chords have none. Live sound is
+// raw PCM: 16 bits, little-endian, one channel. It is the one thing in a run that cannot be reproduced. Collective:
+// making a LiveSound, and listen().
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@
 
 namespace trevi {
 
-/// Quieter than this fraction of the loudest is silence (-26 dB).
+/// A moment quieter than this fraction of the loudest is silence (-26 dB).
 inline constexpr Real silence = 0.05;
 
 struct Heard {
   Real rms = 0;      ///< 1 is a square wave at full scale
-  Real pitch = NAN;  ///< MIDI number with fraction, nan when there is none
+  Real pitch = NAN;  ///< MIDI number with fraction, nan if there is none
 };
 
 /// A sound file as it is heard.
@@ -27,7 +27,7 @@ struct Recording {
   std::vector<float> samples;  ///< the mean of the channels, -1 to 1
 };
 
-/// InputError for bytes that are no sound file, or where libsndfile is not built in.
+/// InputError for bytes that are not a sound file, or if libsndfile is not built in.
 Recording read_recording(const std::string& name, const std::string& bytes);
 
 class Ear {
@@ -43,14 +43,14 @@ class Ear {
   std::vector<float> weights_;  ///< their sum is 1
 };
 
-/// The latest moment of a stream on rank 0, told to all ranks. A pipe is emptied without ever waiting, what is older
-/// than the latest window is dropped, and what was heard last holds until something new arrives; after the end there is
-/// silence. A plain file is heard at the simulated time instead.
+/// The latest moment of a stream on rank 0, broadcast to all ranks. A pipe is emptied without ever waiting, what is
+/// older than the latest window is dropped, and what was heard last holds until something new arrives; after the end
+/// there is silence. A plain file is heard at the simulated time instead.
 class LiveSound {
  public:
-  /// InputError when the descriptor on rank 0 is a terminal or closed.
+  /// InputError if the descriptor on rank 0 is a terminal or closed.
   LiveSound(MPI_Comm comm, int descriptor, Real rate);
-  /// Once before each step; further calls for the same step do nothing.
+  /// To be called once before each step; further calls for the same step do nothing.
   void listen(const StepInfo& step);
   /// 1 is the loudest so far (and no less than 5 % of full scale).
   Real level() const { return level_; }
@@ -73,7 +73,8 @@ class LiveSound {
   std::int64_t step_ = -1;
 };
 
-/// Follows live sound. A voice has no known range: the ends of speed_range are C3 and C6, and stand for all beyond.
+/// Follows live sound. A voice has no known range: the ends of speed_range are C3 and C6, and represent everything
+/// beyond.
 class LivePump : public Pump {
  public:
   LivePump(std::shared_ptr<LiveSound> sound, Follow follow, const SpeedScale& scale)

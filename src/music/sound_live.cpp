@@ -15,7 +15,7 @@ namespace trevi {
 
 namespace {
 
-/// Most that is read in one step, so that a source without end (/dev/zero) does not hold the solver up.
+/// The most that is read in one step, so that a source without end (/dev/zero) does not hold up the solver.
 constexpr std::size_t max_bytes = 1 << 20;
 constexpr Real voice_low = 48, voice_high = 84;  // C3 and C6
 

@@ -14,15 +14,15 @@ struct NamedEvent {
   double bytes = 0;
 };
 
-/// What Trevi has registered with PETSc, which has no public function to list it. Static, as PETSc's own registry is
-/// global to the process, too.
+/// What Trevi has registered with PETSc, which has no public function to list it. Static, because PETSc's own registry
+/// is also global to the process.
 struct Registry {
   PetscClassId class_id = 0;
   std::vector<NamedEvent> events;
   std::vector<PetscLogStage> stages{0};  ///< PETSc's main stage is always there
 };
 
-// Counted from 1, so that it is never that of a LastingEvent which nobody has asked for.
+// Counted from 1, so that it never equals that of a LastingEvent which nobody has asked for.
 int& session_number() {
   static int number = 1;
   return number;
@@ -46,7 +46,7 @@ PetscLogEvent register_event(Registry& known, const std::string& name) {
 }  // namespace
 
 Event::Event(const std::string& name) {
-  // Registering a name twice would give two lines; objects of one kind share their event.
+  // Registering a name twice would give two lines; objects of one type share their event.
   Registry& known = registry();
   const auto found = std::find_if(known.events.begin(), known.events.end(),
                                   [&](const NamedEvent& event) { return event.name == name; });

@@ -1,5 +1,5 @@
 // Phases and kernels as PETSc stages and events, so that -log_view and run.json show the time of each part of the
-// method. An event is registered when the object that needs it is built, so the log has no line for what a scene does
+// method. An event is registered when the object that needs it is built, so the log has no lines for what a scene does
 // not use. Not collective, but all ranks must register the same events in the same order, as make_solver() does.
 #pragma once
 
@@ -20,7 +20,7 @@ class Event {
   PetscLogEvent handle_ = 0;
 };
 
-/// An event that outlives sessions, for what has no object: registered where a session first asks for it.
+/// An event that outlives sessions, for code without an object: registered where a session first asks for it.
 class LastingEvent {
  public:
   explicit LastingEvent(const char* name) : name_(name) {}
@@ -32,7 +32,7 @@ class LastingEvent {
   int session_ = 0;
 };
 
-/// Times the scope it lives in.
+/// Times the scope in which it exists.
 class ScopedEvent {
  public:
   explicit ScopedEvent(const Event& event) : handle_(event.handle()) { PetscLogEventBegin(handle_, 0, 0, 0, 0); }
@@ -53,8 +53,8 @@ class ScopedStage {
   ScopedStage& operator=(const ScopedStage&) = delete;
 };
 
-/// What the event, which is being timed, has done: floating-point operations, and bytes that it reads or writes, each
-/// array once.
+/// Work of the event being timed: floating-point operations, and bytes that it reads or writes, each array counted
+/// once.
 void log_work(const Event& event, double flops, double bytes);
 
 /// Time and work of one event on this rank, all stages together.
@@ -70,7 +70,7 @@ void forget_events();
 /// Totals of all events of the solver, in order of registration.
 std::vector<EventTotals> event_totals();
 
-/// Time of the event of that name on this rank so far; 0 where there is none.
+/// Time of the event of that name on this rank so far; 0 if there is none.
 double event_seconds(const std::string& name);
 
 }  // namespace trevi

@@ -21,12 +21,12 @@ Real max_over_ranks(MPI_Comm comm, Real value);
 Real min_over_ranks(MPI_Comm comm, Real value);
 GlobalId sum_over_ranks(MPI_Comm comm, GlobalId value);
 std::vector<GlobalId> sum_over_ranks(MPI_Comm comm, std::vector<GlobalId> values);
-/// Of the rows that the threads of each rank have, all of the same length.
+/// For the rows that the threads of each rank have, all of the same length.
 std::vector<GlobalId> sum_over_threads_and_ranks(MPI_Comm comm, PerThread<std::vector<GlobalId>>& rows);
-/// Sum over the ranks below this one: the index of this rank's first row where ranks write rows in rank order.
+/// Sum over the ranks below this one: the index of this rank's first row if ranks write rows in rank order.
 GlobalId sum_over_lower_ranks(MPI_Comm comm, GlobalId value);
 
-/// What each rank has, joined in the order of the ranks, on all ranks.
+/// The data of all ranks, concatenated in the order of the ranks, on all ranks.
 std::vector<std::byte> gather_over_ranks(MPI_Comm comm, std::span<const std::byte> mine);
 template <class T>
 std::vector<T> gather_over_ranks(MPI_Comm comm, const std::vector<T>& mine) {

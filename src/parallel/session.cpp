@@ -25,18 +25,18 @@ namespace trevi {
 
 namespace {
 
-// All ranks use the best instruction set that every one of them supports, as a job may mix different processors.
+// All ranks use the best instruction set that all of them support, because a job may mix different processors.
 void agree_on_instruction_set(MPI_Comm comm) {
   std::int64_t sets = supported_instruction_sets();
   MPI_Allreduce(MPI_IN_PLACE, &sets, 1, MPI_INT64_T, MPI_BAND, comm);
   restrict_instruction_sets(sets);
 }
 
-// A process that no launcher has started has no other to talk to, so it needs no daemon, no search for networks and no
-// folder for messages in /tmp. They are two thirds of the time that Open MPI takes to start. Besides, of several such
-// processes one that ends may remove the folder in which another is about to make its own, which then fails. What the
-// environment has stays, and what is set here is taken back after the start, as programs that this one starts inherit
-// it.
+// A process that was not started by a launcher has no other to talk to, so it needs no daemon, no search for networks
+// and no folder for messages in /tmp. These take two thirds of the time that Open MPI needs to start. Besides, if there
+// are several such processes, one that ends may remove the folder in which another is about to create its own, which
+// then fails. Existing settings of the environment are kept, and what is set here is removed after the start, because
+// programs that this one starts inherit it.
 class StartAlone {
  public:
   StartAlone() {
@@ -80,15 +80,16 @@ void check_options_files(MPI_Comm comm, int argc, const char* const* argv) {
   }
 }
 
-// A pipe or a device may go on for ever. What is read here goes to all ranks, whose number of bytes MPI has as an int.
+// A pipe or a device may never end. What is read here goes to all ranks, and MPI has the number of bytes as an int.
 std::int64_t max_bytes_of(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(path, ignored) ? 1 << 30 : 1 << 26;
 }
 
-// Returns an errno; EFBIG for a file of more than `most` bytes, ETIMEDOUT for a pipe that says nothing for ten seconds.
+// Returns an errno; EFBIG for a file of more than `most` bytes, ETIMEDOUT for a pipe that sends nothing for ten
+// seconds.
 int read_file(const std::string& path, std::int64_t most, std::string& text) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // of a pipe that nobody writes to, too
+  const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // also for a pipe that nobody writes to
   if (file < 0) return errno;
   int error = 0;
   std::array<char, 1 << 16> block;
@@ -132,7 +133,7 @@ Session::Session(int& argc, char**& argv) {
   PetscPopSignalHandler();
   sigaction(SIGHUP, &hangup, nullptr);  // PETSc's handler, too, leaves the default where nohup had set it to ignore
   std::signal(SIGXFSZ, SIG_IGN);        // a file over the limit of the shell is then a failed write, with its reason
-  std::signal(SIGPIPE, SIG_IGN);        // a run goes on when nobody reads its progress any more
+  std::signal(SIGPIPE, SIG_IGN);        // a run continues when nobody reads its progress any more
   begin();
 }
 

@@ -1,5 +1,5 @@
-// Wall time of the simulation itself: counts while a Lap lives, so that output is not included; and how much of it this
-// rank waits for others. Not collective.
+// Wall time of the simulation itself: it counts only while a Lap exists, so that output is not included. Also the part
+// of this time that the rank waits for others. Not collective.
 #pragma once
 
 #include <mpi.h>
@@ -11,14 +11,14 @@ namespace trevi {
 class Stopwatch {
  public:
   struct Times {
-    double all = 0, waiting = 0, reductions = 0;  ///< s; the last are part of the second, and that of the first
+    double all = 0, waiting = 0, reductions = 0;  ///< s; the third is part of the second, and that of the first
   };
 
   double seconds() const { return running_ ? total_.all + MPI_Wtime() - since_.all : total_.all; }
-  /// Of the laps that have ended.
+  /// Times of the laps that have ended.
   const Times& total() const { return total_; }
 
-  /// The watch runs as long as this lives.
+  /// The watch runs as long as this object exists.
   class Lap {
    public:
     explicit Lap(Stopwatch& watch) : watch_(watch) {

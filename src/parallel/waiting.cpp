@@ -17,7 +17,7 @@ void wait_all(std::span<MPI_Request> requests) {
   const ScopedEvent timed(waiting);
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::nanoseconds patience = std::chrono::microseconds(50), longest = std::chrono::microseconds(100);
-  // Of a sleep Linux makes 50 µs or more otherwise.
+  // Otherwise Linux makes a sleep last 50 µs or more.
   [[maybe_unused]] static const int slack = prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
   const Clock::time_point begin = Clock::now();
   for (;;) {

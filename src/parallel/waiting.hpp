@@ -1,8 +1,8 @@
-// Waiting for other ranks so that a busy machine loses little: a rank polls for some 50 µs, as long as most waits of a
-// step take, and then sleeps between polls, a quarter of the time that it has waited and at most 100 µs. MPI's own
-// waiting polls without end, and keeps the rank that it waits for from a core that both share with other work. For the
-// calls within a step; the others are few. The log has the time of all waiting as Waiting, and of it that of reductions
-// as Reductions. Collective, as the calls that they stand for.
+// Waiting for other ranks in a way that loses little time on a busy machine: a rank polls for about 50 µs, as long as
+// most waits of a step take, and then sleeps between polls for a quarter of the time that it has waited, at most 100
+// µs. MPI's own waiting polls without end, and so keeps the rank that it waits for off a core that both share with
+// other work. For the calls within a step; there are few others. The log has the time of all waiting as Waiting, and
+// the part in reductions as Reductions. Collective, like the calls that they replace.
 #pragma once
 
 #include <mpi.h>

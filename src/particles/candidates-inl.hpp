@@ -54,7 +54,8 @@ struct Bounds {
   }
 };
 
-// Coordinates relative to the anchor's, as T; the difference of integers is taken modulo 2^32, as they wrap around.
+// Coordinates relative to those of the anchor, as T; the difference of integers is taken modulo 2^32, because they wrap
+// around.
 template <class D, class V>
 HWY_INLINE hn::Vec<D> from_anchor(D d, V v, typename Packed<hn::TFromD<D>>::Coordinate anchor) {
   if constexpr (sizeof(hn::TFromD<D>) == 4) {
@@ -64,13 +65,13 @@ HWY_INLINE hn::Vec<D> from_anchor(D d, V v, typename Packed<hn::TFromD<D>>::Coor
   }
 }
 
-// The coordinates of all records, one array each, behind which whole vectors may be read.
+// The coordinates of all records, one array each, with room to read whole vectors beyond the end.
 template <class T>
 struct Coordinates {
   using Coordinate = typename Packed<T>::Coordinate;
   Coordinate *x, *y, *z;
 
-  // Each array has a third of the memory, a vector more than there are records.
+  // Each array has a third of the memory, one vector more than there are records.
   Coordinates(const std::vector<Packed<T>>& records, std::span<Coordinate> memory)
       : x(memory.data()), y(x + memory.size() / 3), z(y + memory.size() / 3) {
     constexpr LocalId part_size = 4096;
@@ -106,7 +107,7 @@ class Candidates {
 
   void clear() { size_ = 0; }
 
-  // `code`: what stands for the first of them in `index`; for those after it one more each.
+  // `code`: the entry in `index` for the first of them; it increases by one for each of the following.
   void append(const Coordinates<T>& all, Range run, LocalId code, const Bounds<T>& bounds) {
     const auto [begin, end] = run;
     const hn::ScalableTag<T> d;
@@ -144,7 +145,7 @@ class Candidates {
     hn::StoreU(near.first(px), d, &x[size_]);
     hn::StoreU(near.first(py), d, &y[size_]);
     hn::StoreU(near.first(pz), d, &z[size_]);
-    // Iota(0) is a constant; with another start the compiler would build the vector in memory.
+    // Iota(0) is a constant; for another start the compiler would build the vector in memory.
     const auto self = hn::Add(hn::Iota(di, 0), hn::Set(di, first));
     hn::StoreU(hn::BitCast(di, near.first(hn::BitCast(d, self))), di, &index[size_]);
     size_ += near.count();

@@ -13,23 +13,23 @@
 
 namespace trevi {
 
-/// Whether a periodic axis may be so long: a whole number of cells that are h wide, so that it repeats exactly in the
-/// units of the records, and three at least, so that no cell is next to another on both sides.
+/// Whether a periodic axis may have this length: a whole number of cells that are h wide, so that it repeats exactly in
+/// the units of the records, and at least three, so that no cell is adjacent to another on both sides.
 inline bool is_whole_period(Real length, Real h) {
   const Real cells = std::round(length / h);
   return cells >= 3 && std::abs(length / h - cells) <= 1e-9 * cells;
 }
 
-/// A run of planes, and of rows in each of them: what a rank owns. Counted from the start of the box.
+/// A run of planes, and of rows in each of them, that a rank owns. Counted from the start of the box.
 struct CellWindow {
   Range planes, rows;
 };
 
 class CellGrid {
  public:
-  /// `slab_axis`: 0 for x, 1 for y. The box must be at least h wide in each axis, but along y in two dimensions; three
-  /// times that along x, y, z that are periodic. There a place up to a box's length below `min` is in the cell that
-  /// repeats it.
+  /// `slab_axis`: 0 for x, 1 for y. The box must be at least h wide along each axis, except along y in two dimensions,
+  /// and at least three times h along `periodic` ones of x, y, z. There a position up to one box length below `min` is
+  /// in the cell of its periodic image.
   CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis, const std::array<bool, 3>& periodic = {});
 
   LocalId planes() const { return count_[0]; }
@@ -37,15 +37,15 @@ class CellGrid {
   LocalId columns() const { return count_[2]; }  ///< in a row
   LocalId cells_per_plane() const { return count_[1] * count_[2]; }
   int slab_axis() const { return axis_[0]; }
-  /// By direction: 0 for planes, 1 for rows, 2 for columns. The first is then next to the last.
+  /// By direction: 0 for planes, 1 for rows, 2 for columns. If periodic, the first is adjacent to the last.
   bool is_periodic(std::size_t direction) const { return periodic_[direction]; }
   /// The coordinate along a direction: 0 for x.
   int axis(std::size_t direction) const { return axis_[direction]; }
   /// Number of cells along a direction.
   LocalId count(std::size_t direction) const { return count_[direction]; }
-  /// Whether it is that of two dimensions: a single layer of cells, thinner than h.
+  /// Whether it is two-dimensional: a single layer of cells, thinner than h.
   bool is_layer() const { return is_layer_; }
-  /// Cells per metre, as they are counted.
+  /// Cells per metre, as used for numbering.
   Real per_length(std::size_t direction) const { return per_length_[direction]; }
   /// Extent of the box along a direction, m.
   Real length(std::size_t direction) const { return length_[direction]; }
@@ -60,7 +60,7 @@ class CellGrid {
   LocalId index_along(std::size_t k, const Vec3& p) const {
     const Real offset = p[axis_[k]] - min_[axis_[k]];
     const Real cell = (offset < 0 && periodic_[k] ? offset + length_[k] : offset) * per_length_[k];
-    const Real counted = std::max(0.0, std::min(cell, 2147483000.0));  // 0 for what is not a number
+    const Real counted = std::max(0.0, std::min(cell, 2147483000.0));  // 0 if it is not a number
     return std::min(static_cast<LocalId>(counted), count_[k] - 1);
   }
 

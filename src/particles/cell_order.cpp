@@ -18,14 +18,14 @@ struct CellOrder::RowScratch {
     LocalId index;
   };
   std::vector<Entry> sorted;
-  std::vector<LocalId> columns, next;  // of each particle; of each cell where its next particle goes
+  std::vector<LocalId> columns, next;  // of each particle; for each cell the place of its next particle
 };
 
 // Fills places.order with the particles row by row of cells, within a row in the order in which they are stored. Each
 // part of the particles is counted and placed by one thread.
 void CellOrder::sort_by_rows(const Particles& particles, const Places& places) {
   const LocalId own_rows = this->rows(), rows = planes() * own_rows;
-  // As many counters as particles at the most.
+  // At most as many counters as particles.
   const LocalId parts = std::clamp(owned_ / rows, 1, thread_count());
   std::vector<LocalId> next(static_cast<std::size_t>(parts) * static_cast<std::size_t>(rows), 0);
   const auto counters = [&](LocalId part) {
@@ -39,7 +39,7 @@ void CellOrder::sort_by_rows(const Particles& particles, const Places& places) {
       const LocalId row_in_plane = grid_.row_of(particles.predicted[i]) - window_.rows.begin;
       assert(plane >= 0 && plane < planes() && row_in_plane >= 0 && row_in_plane < own_rows);
       const LocalId row = plane * own_rows + row_in_plane;
-      // 32 bits are enough for the cells of one rank: Slabs::check_capacity and Balance see to it.
+      // 32 bits are enough for the cells of one rank, which Slabs::check_capacity and Balance ensure.
       places.cell[i] = row * grid_.columns() + grid_.column_of(particles.predicted[i]);
       ++count[row];
     }

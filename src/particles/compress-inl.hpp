@@ -1,7 +1,7 @@
-// Moves the chosen lanes of a vector to its front, keeping their order. Highway's own Compress is used where the
-// processor has an instruction for it; elsewhere Highway before 1.1 keeps its tables in local arrays, which GCC copies
-// to the stack at every use, so that a search spends most of its time there.
-// Included once per instruction set, inside the sources that Highway compiles repeatedly.
+// Moves the chosen lanes of a vector to its front, keeping their order. Highway's own Compress is used if the processor
+// has an instruction for it; otherwise Highway before 1.1 keeps its tables in local arrays, which GCC copies to the
+// stack at every use, so that a search spends most of its time there. Included once per instruction set, inside the
+// sources that Highway compiles repeatedly.
 #if !defined(TREVI_PARTICLES_COMPRESS_TABLE)
 #define TREVI_PARTICLES_COMPRESS_TABLE
 

@@ -36,8 +36,7 @@ void store_indices(D, V index, std::uint16_t* HWY_RESTRICT out) {
   hn::StoreU(hn::TruncateTo(d16, hn::BitCast(du, index)), d16, out);
 }
 
-// Writes the candidates nearer than one h to particle `self` at p and returns how many there are; stops when there are
-// too many.
+// Writes the candidates nearer than h to particle `self` at p and returns their number; stops when there are too many.
 template <class T, class Out>
 std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array<T, 3>& p, Out* HWY_RESTRICT out) {
   constexpr auto most = static_cast<std::size_t>(NeighbourList::max_neighbours);
@@ -65,7 +64,7 @@ std::size_t near(const Candidates<T>& candidates, LocalId self, const std::array
   return found;
 }
 
-// The same of two particles at a time, for which a candidate is read once; there are no more than max_neighbours.
+// The same for two particles at a time, so that a candidate is read once; there are no more than max_neighbours.
 template <class T>
 std::array<std::size_t, 2> near_two(const Candidates<T>& candidates, LocalId self,
                                     const std::array<std::array<T, 3>, 2>& p,

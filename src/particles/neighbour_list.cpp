@@ -2,7 +2,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "particles/neighbour_list.cpp"
 #include <hwy/foreach_target.h>
-// Highway wants its own headers after foreach_target.
+// Highway requires its own headers to be included after foreach_target.
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ struct SearchResult {
   Borrowed<StoredRow>& rows;
   RowPages& pages;
   std::int64_t* pairs_of_row;  // of cells
-  // The first particle with too many neighbours; without one, the number of particles.
+  // The first particle with too many neighbours; the number of particles if there is none.
   std::atomic<LocalId> first_overfull_particle;
 
   void note_overfull(LocalId i) {
@@ -55,7 +55,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// Runs of particles one after the other that may be neighbours of those of a cell.
+// Contiguous runs of particles that may be neighbours of those of a cell.
 class Runs {
  public:
   void add(LocalId begin, LocalId end) {
@@ -73,7 +73,7 @@ class Runs {
   std::size_t count_ = 0;
 };
 
-// Where rows or columns are periodic: cell by cell, as those beyond the last are elsewhere.
+// If rows or columns are periodic: cell by cell, because those beyond the last are elsewhere.
 inline Runs cells_around(const CellOrder& order, LocalId k, LocalId c) {
   const CellGrid& grid = order.grid();
   const LocalId row = c / grid.columns(), column = c % grid.columns();
@@ -107,7 +107,7 @@ inline Runs runs_around(const CellOrder& order, LocalId k, LocalId c) {
   return runs;
 }
 
-// Codes of particles around a cell (NeighbourRow), run by run in their order.
+// Codes of the particles around a cell (NeighbourRow), run by run in their order.
 class Coding {
  public:
   explicit Coding(std::span<const Range> runs) {
@@ -115,7 +115,7 @@ class Coding {
     LocalId begin = 0;  // of the last window
     std::size_t number = 0;
     for (const Range& run : runs) {
-      // Where the box repeats, runs of copies come before others that stand in front of them.
+      // If the box is periodic, runs of copies come before runs with lower indices.
       if (windows_ == 0 || run.begin < begin || run.end - begin > NeighbourRow::window_size) {
         begin = run.begin;
         if (windows_ == NeighbourRow::windows || run.size() > NeighbourRow::window_size) {
@@ -130,7 +130,7 @@ class Coding {
   }
   bool possible() const { return possible_; }
   const std::array<LocalId, NeighbourRow::windows>* shifts() const { return possible_ ? &shifts_ : nullptr; }
-  // What stands for the first particle of a run.
+  // The code of the first particle of a run.
   LocalId code_of(std::size_t number, const Range& run) const {
     return possible_ ? run.begin - shifts_[static_cast<std::size_t>(windows_of_runs_[number])] : run.begin;
   }
@@ -150,7 +150,7 @@ struct Worker {
   std::vector<std::uint16_t> next_row;
 };
 
-// Stores the rows of two particles at a time of those from `self` to `end`, and returns the first that is left.
+// Stores the rows of the particles from `self` to `end`, two at a time, and returns the first that is left.
 template <class T>
 LocalId search_pairs(const SearchInput<T>& in, SearchResult& result, Worker<T>& worker, const Bounds<T>& bounds,
                      Range of_cell, LocalId code) {
@@ -175,8 +175,8 @@ LocalId search_pairs(const SearchInput<T>& in, SearchResult& result, Worker<T>& 
   return self;
 }
 
-// Finds the neighbours of the particles of cell c of plane k. False where one of them, result.first_overfull_particle,
-// has too many.
+// Finds the neighbours of the particles of cell c of plane k. Returns false if one of them,
+// result.first_overfull_particle, has too many.
 template <class T>
 bool search_cell(const SearchInput<T>& in, const Coordinates<T>& all, SearchResult& result, Worker<T>& worker,
                  LocalId k, LocalId c) {
@@ -304,7 +304,7 @@ void NeighbourList::give_back() {
   rows_.give_back();
 }
 
-// Pairs of the particles before this one.
+// Number of pairs of the particles before this one.
 std::int64_t NeighbourList::pairs_before(LocalId i) const {
   if (i == 0) return 0;
   if (i == size() && !pairs_of_row_.empty()) return pairs_of_row_.back();

@@ -1,7 +1,7 @@
 // Neighbours of each owned particle: all others, ghosts included, with |p*_i − p*_j| < h at the time of the search,
-// which is once a substep. Each particle has a row, in storage order, which is the same on any rank count. Indices
-// count from the first low ghost. The rows of particles one after the other lie one after the other for the most part,
-// but not always: each thread of the search writes its rows to pages of its own. Not collective.
+// which takes place once per substep. Each particle has a row, in storage order, which is the same on any rank count.
+// Indices count from the first low ghost. The rows of consecutive particles are mostly, but not always, consecutive in
+// memory: each thread of the search writes its rows to pages of its own. Not collective.
 #pragma once
 
 #include <algorithm>
@@ -43,16 +43,16 @@ class RowPages {
   std::vector<Borrowed<std::uint16_t>> pages_;
 };
 
-/// A row of the list as it is stored. The particles around a cell lie in few windows of particles one after the other,
-/// and the code of a neighbour is the number of its window, in the highest 2 bits, and its number there. What is added
-/// to a code to get an index stands in `shift`, for each window. Where the particles around lie in more windows the
-/// neighbours' indices stand in `wide`.
+/// A row of the list as it is stored. The particles around a cell are in a few windows of consecutive particles. The
+/// code of a neighbour is the number of its window, in the highest 2 bits, and its number within the window. For each
+/// window, `shift` holds what must be added to a code to obtain an index. If the particles around a cell are in more
+/// windows, `wide` holds the neighbours' indices.
 struct NeighbourRow {
   static constexpr int bits_of_number = 14;
   static constexpr LocalId windows = 4, window_size = 1 << bits_of_number;
 
   const LocalId* shift;
-  const std::uint16_t* coded;  ///< null where `wide` is used
+  const std::uint16_t* coded;  ///< null if `wide` is used
   const LocalId* wide;
   LocalId count;
 
@@ -61,19 +61,19 @@ struct NeighbourRow {
   }
 };
 
-/// The page to which one thread writes. A row begins at an even entry with the distance back to the runs of its cell,
-/// in units of two entries, and then has its coded neighbours; or with 0 twice, and then has its indices.
+/// The page to which one thread writes. A row begins at an even entry with the distance back to the shifts of its cell,
+/// in units of two entries, followed by its coded neighbours; or with two zeros, followed by its indices.
 class RowWriter {
  public:
   /// Pair loops read whole vectors, past the end of a row.
   static constexpr std::size_t slack = 64;
 
-  /// Of the cell whose rows come next; null where its rows are wide.
+  /// The shifts of the cell whose rows come next; null if its rows are wide.
   void begin_cell(const std::array<LocalId, NeighbourRow::windows>* shifts) {
     shifts_ = shifts;
     shifts_place_ = nullptr;
   }
-  /// Memory for the next row, of which `longest` neighbours, at most 3/8 page_size, may be written.
+  /// Memory for the next row, in which `longest` neighbours, at most 3/8 page_size, may be written.
   std::uint16_t* begin_row(RowPages& pages, std::size_t longest) {
     const bool wide = shifts_ == nullptr;
     const std::size_t entries = 2 + 2 * NeighbourRow::windows + (wide ? 2 : 1) * longest + slack;
@@ -84,7 +84,7 @@ class RowWriter {
     return next_ + (wide ? 2 : 1);
   }
   void end_row(std::size_t length) { next_ += (shifts_ == nullptr ? 2 + 2 * length : 1 + length + 1) / 2 * 2; }
-  /// Where the row is that was begun last.
+  /// The place of the row that was begun last.
   std::uint64_t place() const { return place_; }
 
  private:
@@ -96,7 +96,7 @@ class RowWriter {
   std::uint64_t first_of_page_ = 0, place_ = 0;
 };
 
-/// Where the row of a particle is in the pages, and how long it is.
+/// The place of a particle's row in the pages, and its length.
 struct StoredRow {
   static constexpr std::uint64_t max_at = (std::uint64_t{1} << 48U) - 1;
   std::uint64_t at : 48, count : 16;
@@ -104,8 +104,8 @@ struct StoredRow {
 
 class NeighbourList {
  public:
-  /// More neighbours than this end the run: it means that all the water within a few h has collapsed into one place,
-  /// and the length of the lists grows as the square of the particles there.
+  /// More neighbours than this end the run: they mean that all the water within a few h has collapsed into one place,
+  /// and the length of the lists grows as the square of the number of particles there.
   static constexpr LocalId max_neighbours = 4096;
 
   /// The list is borrowed from `scratch` until give_back().
@@ -116,7 +116,7 @@ class NeighbourList {
   template <class T>
   void rebuild(const CellOrder& order, const std::vector<Packed<T>>& records);
 
-  /// There are no rows any more.
+  /// Discards all rows.
   void give_back();
 
   LocalId size() const { return static_cast<LocalId>(rows_.size()); }
@@ -132,17 +132,17 @@ class NeighbourList {
   }
   /// Its neighbours.
   std::vector<LocalId> operator[](LocalId i) const;
-  /// Pairs of the particles of a range; quick where it begins and ends with rows of cells.
+  /// Number of pairs of the particles of a range; fast if it begins and ends with rows of cells.
   std::int64_t pairs(Range range) const { return pairs_before(range.end) - pairs_before(range.begin); }
   std::int64_t pairs() const { return pairs({0, size()}); }
-  /// Bytes of the list that a pass over the particles of a range reads, where it reads each row once.
+  /// Bytes of the list that a pass over the particles of a range reads, if it reads each row once.
   double bytes_read(Range range) const {
     const double each = sizeof(StoredRow) + sizeof(std::uint16_t);
     return static_cast<double>(pairs(range)) * sizeof(std::uint16_t) + each * range.size();
   }
   /// Owned particle with more than max_neighbours, −1 if there is none; it and those after it then have empty rows.
   LocalId first_overfull_particle() const { return first_overfull_; }
-  /// Without what is borrowed; and that.
+  /// Without borrowed memory; and the borrowed memory alone.
   std::size_t bytes() const {
     return pairs_of_row_.capacity() * sizeof(pairs_of_row_[0]) + first_of_row_.capacity() * sizeof(LocalId);
   }
@@ -154,7 +154,7 @@ class NeighbourList {
   std::shared_ptr<Scratch> scratch_;
   Borrowed<StoredRow> rows_;
   RowPages pages_;
-  // Of each row of cells its first particle, and the pairs of all rows before it; and of all rows.
+  // For each row of cells its first particle, and the number of pairs of all rows before it; and of all rows.
   std::vector<LocalId> first_of_row_;
   std::vector<std::int64_t> pairs_of_row_;
   LocalId first_overfull_ = -1;

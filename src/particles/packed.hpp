@@ -1,11 +1,11 @@
 // One record per particle as the pair loops read it: position and one scalar (lambda, |omega|) side by side, so that a
 // neighbour costs one cache line. Records exist for ghosts, too; low ghosts, owned, high ghosts.
 //
-// Single precision keeps a position as 32-bit integers in units of h / 2^22, counted from the box corner and wrapping
-// around. The difference of two such numbers is exact whatever the size of the box, so that a pair has 2^-22 h of
-// resolution near the corner and a kilometre away alike, and no rank has an origin of its own. (Neighbours that drift
-// more than 512 h apart within a step would alias; the box of any run that gets there has exploded long before.) Double
-// precision keeps units of h.
+// Single precision stores a position as 32-bit integers in units of h / 2^22, counted from the box corner and wrapping
+// around. The difference of two such numbers is exact whatever the size of the box, so that a pair has the same
+// resolution of 2^-22 h near the corner and a kilometre away, and no rank has an origin of its own. (Neighbours that
+// drift more than 512 h apart within a step would alias; the box of any run that gets there has exploded long before.)
+// Double precision uses units of h.
 #pragma once
 
 #include <array>
@@ -35,14 +35,13 @@ struct alignas(32) Packed<double> {
   double x, y, z, w;
 };
 
-/// Metres to the units of the records.
+/// Conversion from metres to the units of the records.
 template <class T>
 class Encoding {
  public:
   Encoding(const Vec3& origin, Real h) : origin_(origin), per_metre_(Packed<T>::units_per_h / h) {}
 
-  /// Makes `axis` one of `cells` cells of a width in metres of h but for rounding, on which no difference of records
-  /// depends.
+  /// Divides `axis` into `cells` cells of a width that is h up to rounding, on which no difference of records depends.
   void count_cells(int axis, Real width, Real cells) {
     cells_[static_cast<std::size_t>(axis)] = {width, (1 + 0x1p-50) / width,
                                               std::ldexp(1.5, 52 - (48 - std::ilogb(cells)))};
@@ -57,7 +56,7 @@ class Encoding {
     const Vec3 u = (p - origin_) * per_metre_;
     return {coordinate(u.x()), coordinate(u.y()), coordinate(u.z()), w};
   }
-  /// The same where axes are counted in cells: the place within a cell is rounded before the cells are added, exactly.
+  /// The same if axes are counted in cells: the position within a cell is rounded before the cells are added, exactly.
   Packed<T> in_cells(const Vec3& p, T w) const {
     Vec3 u = (p - origin_) * per_metre_;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -90,7 +89,7 @@ class Encoding {
   bool counts_cells_ = false;
 };
 
-/// Moves a record along one axis by so many of its units. Single precision wraps around, as its positions do.
+/// Moves a record along one axis by this many of its units. Single precision wraps around, as its positions do.
 inline void move(Packed<float>& record, int axis, Real units) {
   std::int32_t& x = axis == 0 ? record.x : axis == 1 ? record.y : record.z;
   x = static_cast<std::int32_t>(static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(std::llround(units)));

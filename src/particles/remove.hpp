@@ -1,4 +1,4 @@
-// Taking particles out of the arrays of a rank. Not collective.
+// Removal of particles from the arrays of a rank. Not collective.
 #pragma once
 
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace trevi {
 
-/// Removes the particles at these places, which ascend. The last particles take the places of those that leave, so that
-/// only these cost; the next sort makes the order anew.
+/// Removes the particles at these places, which are in ascending order. The last particles move to the places of those
+/// that leave, so that the cost depends only on their number; the next sort restores the order.
 inline void remove_particles(Particles& particles, std::span<const LocalId> places) {
   const auto left = static_cast<std::size_t>(particles.size()) - places.size();
-  std::vector<LocalId> moved;  // those of the last that stay, one for each place before them
+  std::vector<LocalId> moved;  // the particles at the end that stay, one for each place before them
   auto next = std::lower_bound(places.begin(), places.end(), static_cast<LocalId>(left));
   const auto holes = static_cast<LocalId>(next - places.begin());
   for (LocalId i = static_cast<LocalId>(left); i < particles.size(); ++i) {

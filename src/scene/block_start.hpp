@@ -1,5 +1,5 @@
-// What a [[particles]] block is at the start: which places of its lattice hold water, and how fast that is. One thread
-// at a time. Not collective.
+// The initial state of a [[particles]] block: which places of its lattice contain water, and the velocity there. One
+// thread at a time. Not collective.
 #pragma once
 
 #include <optional>
@@ -13,16 +13,17 @@ namespace trevi {
 
 class BlockStart {
  public:
-  /// Its expressions have been checked, or InputError. `places` outlives this.
+  /// The expressions are checked; InputError if they are not valid. `places` outlives this object.
   BlockStart(const ParticleSource& block, const FreePlaces& places);
 
-  /// Whether all places of the lattice hold water.
+  /// Whether all places of the lattice contain water.
   bool is_whole() const { return places_.all() && !surface_; }
-  /// Outside of obstacles, and not above the surface. Throws InputError where that is not a number.
+  /// Whether there is water: outside of obstacles, and not above the surface. Throws InputError if that is not a
+  /// number.
   bool holds_water(const Vec3& place) const;
-  /// Places with water in a layer of the lattice across an axis.
+  /// The number of places with water in a layer of the lattice across an axis.
   GlobalId count(const Lattice& lattice, int axis, GlobalId layer) const;
-  /// m/s. Throws InputError where it is not a number.
+  /// The velocity, m/s. Throws InputError if it is not a number.
   Vec3 velocity(const Vec3& place) const;
   /// The largest speed at 9 x 9 x 9 places of the block, m/s.
   Real fastest() const;

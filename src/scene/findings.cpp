@@ -24,7 +24,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// Whether a problem of `path` is fully named by the override "path=value" itself.
+/// Whether the override "path=value" itself fully identifies a problem of `path`.
 bool names(std::string_view assignment, std::string_view path) {
   std::string key;
   for (const char c : assignment.substr(0, assignment.find('='))) {
@@ -61,7 +61,7 @@ std::string nearest_word(std::string_view word, std::span<const std::string> kno
   for (const std::string& candidate : known) {
     const bool starts = word.size() >= 3 && candidate.size() >= 3 &&
                         (candidate.starts_with(word) || (word.size() < 40 && word.starts_with(candidate)));
-    // Words of very different length need not be compared; it also bounds the work for a key of absurd length.
+    // Words of very different length need not be compared; this also bounds the work for a key of absurd length.
     if (word.size() > 40) continue;
     const std::size_t distance = starts ? 1 : edit_distance(word, candidate);
     if (distance < least && distance < std::max(word.size(), candidate.size())) {

@@ -1,5 +1,5 @@
-// What is found wrong in a scene: each problem with its place, all of them told at once, in the order of their lines.
-// Not collective.
+// The problems found in a scene: each with its place, all reported at once, in the order of their lines. Not
+// collective.
 #pragma once
 
 #include <toml++/toml.h>
@@ -12,11 +12,11 @@
 
 namespace trevi {
 
-/// Text for a message: one line whatever it holds, and cut when long.
+/// Text for a message: a single line whatever it contains, truncated if it is long.
 inline constexpr std::size_t usual_length = 60, longest_message = 300;
 std::string printable(std::string_view text, std::size_t longest = usual_length);
 
-/// The known word that was most likely meant; empty when none is near.
+/// The known word that was most likely meant; empty if none is similar.
 std::string nearest_word(std::string_view word, std::span<const std::string> known);
 
 struct Place {
@@ -25,17 +25,18 @@ struct Place {
   std::string label;  ///< "[fluid] spacing", as messages name it
 };
 
-/// What was wrong with a scene, and what a scene may hold.
+/// What was wrong with a scene, and what a scene may contain.
 class Findings {
  public:
   explicit Findings(std::string file) : file_(std::move(file)) {}
   void add(const Place& place, const std::string& message);
-  /// A problem as add() would tell it.
+  /// A problem in the form in which add() would report it.
   std::string told(const Place& place, const std::string& message) const;
   /// A problem of an override that has no place in the document.
   void add_override(const std::string& assignment, const std::string& message);
   void describe(const std::string& line);
-  /// Throws InputError with one problem a line, in the order of the file, overrides last; nothing found: returns.
+  /// Throws InputError with one problem per line, in the order of the file, overrides last; returns if nothing was
+  /// found.
   void throw_if_any() const;
   const std::vector<std::string>& descriptions() const { return descriptions_; }
 

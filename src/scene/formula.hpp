@@ -19,7 +19,7 @@ class Formula {
   Formula(Formula&&) noexcept;
   Formula& operator=(Formula&&) noexcept;
 
-  /// At a place, m. Throws InputError where it is not a finite number.
+  /// The value at a position, m. Throws InputError if it is not a finite number.
   Real operator()(const Vec3& place) const;
 
  private:

@@ -8,12 +8,12 @@ namespace trevi {
 
 namespace {
 
-constexpr Real rounding = 1e-6;  // spacings; a lattice that fits just beside a solid stays whole
+constexpr Real rounding = 1e-6;  // spacings; a lattice that just fits beside a solid stays whole
 
-// From 0 to 7, another one at any eight neighbours along an axis; below 4 at every second place, below 2 at each
-// fourth.
+// A number from 0 to 7, different for any eight consecutive places along an axis; it is below 4 at every second place,
+// and below 2 at every fourth.
 unsigned order_of(const Vec3& p, Real spacing) {
-  constexpr Real off = 0.25;  // off the faces and the middles of cells
+  constexpr Real off = 0.25;  // off the faces and the centres of cells
   const Eigen::Array3d cell = (p.array() / spacing + off).floor();
   const auto sum = static_cast<unsigned>(static_cast<std::int64_t>(cell.sum()));
   return (sum & 1) << 2 | (sum & 2) | (sum >> 2 & 1);
@@ -23,7 +23,7 @@ unsigned order_of(const Vec3& p, Real spacing) {
 
 FreePlaces::FreePlaces(const Scene& scene, Real time)
     : spacing_(scene.fluid.spacing), obstacles_(static_cast<int>(scene.obstacles.size())) {
-  const auto is_known = [time](const ObstacleSettings& obstacle) {  // where a paddle that absorbs is, the water says
+  const auto is_known = [time](const ObstacleSettings& obstacle) {  // the water moves an absorbing paddle
     return time == 0 || !obstacle.wavemaker || !obstacle.wavemaker->absorb;
   };
   int number = 0;
@@ -48,8 +48,8 @@ bool FreePlaces::is_nearer(const Solid& solid, const Vec3& p, Real gap) const {
   return solid.test->is_nearer(solid.pose.into_body(p), gap);
 }
 
-// Of places on its surface it takes as many as there is of the solid around them, half of those on a face: a solid
-// whose faces are planes of the lattice displaces its volume, too.
+// Of places on its surface it takes the fraction that the solid fills of the space around them, half of those on a
+// face: a solid whose faces are planes of the lattice thus displaces its volume, too.
 bool FreePlaces::displaces(const Solid& solid, const Vec3& p) const {
   if (is_nearer(solid, p, -rounding * spacing_)) return true;
   if (!is_nearer(solid, p, rounding * spacing_)) return false;

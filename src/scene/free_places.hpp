@@ -1,6 +1,6 @@
-// Where water can be at the start, or when a run goes on. An obstacle or a body leaves out just the water that it
-// displaces, and of places on its surface as much as it fills of the space around them: a vessel holds its volume, and
-// there is no gap into which water falls. Not collective.
+// Where water can be at the start, or when a run continues. An obstacle or a body excludes exactly the water that it
+// displaces, and of places on its surface the fraction that it fills of the space around them: a vessel holds its
+// volume, and there is no gap into which water falls. Not collective.
 #pragma once
 
 #include <memory>
@@ -16,13 +16,14 @@ namespace trevi {
 
 class FreePlaces {
  public:
-  /// Meshes have been read. The obstacles are where they are at that time, s; bodies count at the start alone.
+  /// Meshes have been read. The obstacles are where they are at this time, s; bodies count only at the start.
   explicit FreePlaces(const Scene& scene, Real time = 0);
   bool all() const { return solids_.empty(); }
   bool is_free(const Vec3& p) const;
-  /// Whether p is in a solid, and deeper than so many m; its number, bodies after obstacles, or −1.
+  /// The number of the solid that contains p deeper than `depth`, m, with bodies numbered after obstacles; −1 if there
+  /// is none.
   int solid_at(const Vec3& p, Real depth = 0) const;
-  /// "obstacle 0", or "body 0", as they are counted in the scene.
+  /// "obstacle 0", or "body 0", as they are numbered in the scene.
   std::string name_of(int solid) const;
 
  private:

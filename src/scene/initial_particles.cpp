@@ -42,14 +42,14 @@ void add_particle(Particles& particles, GlobalId id, const Vec3& position, const
   particles.velocity.push_back(velocity);
 }
 
-// A block of the scene with the ids that its points have; those in obstacles are left out.
+// A block of the scene with the ids of its points; those in obstacles are left out.
 struct Block {
   const BlockStart& start;
   Lattice lattice;
   GlobalId first_id;
 };
 
-// Those in the rows [rows) of cells.
+// The points in the rows [rows) of cells.
 void add_layer(Particles& particles, const Block& block, const CellGrid& grid, GlobalId layer, const Range& rows) {
   for_each_point(block.lattice, grid.slab_axis(), layer, [&](GlobalId i, GlobalId j, GlobalId k) {
     const Vec3 point = block.lattice.point(i, j, k);
@@ -59,7 +59,7 @@ void add_layer(Particles& particles, const Block& block, const CellGrid& grid, G
   });
 }
 
-// Particles read from files, wherever they belong; ids already follow those of the sources before.
+// Particles read from files, wherever they belong; ids already follow those of the previous sources.
 struct FileParticles {
   Particles particles;
   std::vector<GlobalId> first_id;  // of each source
@@ -82,7 +82,7 @@ void check_inside(MPI_Comm comm, const Scene& scene, const ParticleRows& rows, c
   });
 }
 
-// In two dimensions.
+// For two dimensions.
 void check_layer(MPI_Comm comm, const ParticleRows& rows, const std::string& source) {
   all_or_none(comm, [&] {
     for (std::size_t i = 0; i < rows.position.size(); ++i) {
@@ -106,7 +106,7 @@ void check_free(MPI_Comm comm, const FreePlaces& places, const ParticleRows& row
   });
 }
 
-// Returns how many ids the rows take, from 0 to the largest.
+// Returns the number of ids that the rows occupy, from 0 to the largest.
 GlobalId append_file(MPI_Comm comm, const Scene& scene, const ParticleSource& source, const FreePlaces& places,
                      FileParticles& files) {
   const std::string& path = source.path;
@@ -142,7 +142,7 @@ FileParticles read_files(MPI_Comm comm, const Scene& scene, const FreePlaces& pl
   return result;
 }
 
-// What a scene begins with: sources of particles, and where they may be.
+// What a scene starts with: sources of particles, and where they may be.
 struct Sources {
   const Scene& scene;
   const CellGrid& grid;
@@ -164,7 +164,7 @@ void for_each_block(const Scene& scene, const FreePlaces& places, const std::vec
   }
 }
 
-// Particles of blocks in each plane. Where some of the places are without water ranks take turns with the layers.
+// Number of particles of blocks in each plane. Where some places have no water, ranks take turns with the layers.
 std::vector<Real> block_weights(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const FreePlaces& places,
                                 const std::vector<GlobalId>& first_id) {
   std::vector<GlobalId> count(static_cast<std::size_t>(grid.planes()), 0);
@@ -183,7 +183,7 @@ std::vector<Real> block_weights(MPI_Comm comm, const Scene& scene, const CellGri
   return {count.begin(), count.end()};
 }
 
-// The same in each row of slabs, of the layers that are this rank's turn.
+// The same in each row of slabs, for the layers that this rank is responsible for.
 void add_block_weights(MPI_Comm comm, const Sources& sources, const Slabs& slabs, RowWeights& weights) {
   const CellGrid& grid = sources.grid;
   const auto rows = static_cast<std::size_t>(grid.rows());
@@ -252,8 +252,8 @@ Particles initial_particles(MPI_Comm comm, const Scene& scene) {
                    fmt::format("{}: {:.0f} particles on this machine", scene.path, owned * sharers),
                    "use more machines or a coarser fluid.spacing; --dry-run tells what a run needs");
   });
-  // std::vector grows by doubling and would leave these arrays with up to twice the memory they need, for the whole
-  // run.
+  // std::vector grows by doubling and would leave these arrays with up to twice the memory that they need, for the
+  // whole run.
   particles.for_each_field([&](auto& field) { field.reserve(static_cast<std::size_t>(owned)); });
   all_or_none(comm, [&] {
     for_each_block(scene, places, files.first_id, [&](const Block& block) {
@@ -283,7 +283,7 @@ Particles restored_particles(MPI_Comm comm, const Scene& scene, ParticleRows row
     add_row_weights(grid, slabs, particles, weights);
     return weights;
   };
-  slabs_of(comm, scene, grid, {plane_weights(comm, grid, particles), of_rows});  // refuses what cannot be
+  slabs_of(comm, scene, grid, {plane_weights(comm, grid, particles), of_rows});  // refuses what is not possible
   return particles;
 }
 

@@ -1,5 +1,5 @@
-// The lattice of a block of water at the start: point (i, j, k) is min + (i + ½, j + ½, k + ½) spacing, m. Numbers are
-// 64-bit, as the block belongs to all ranks together. Not collective.
+// The initial lattice of a block of water: point (i, j, k) is min + (i + ½, j + ½, k + ½) spacing, m. Numbers have 64
+// bits, because the block belongs to all ranks together. Not collective.
 #pragma once
 
 #include <array>

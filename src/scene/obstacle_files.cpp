@@ -34,7 +34,7 @@ void broadcast(MPI_Comm comm, std::vector<T>& rows) {
   throw InputError(fmt::format("{}:{}: {}; write time,x,y,z in s and m, times increasing", path, line, what));
 }
 
-// Whether a line begins with a word that is no number, as the names of columns do.
+// Whether a line begins with a word that is not a number, as the names of columns do.
 bool begins_with_word(const std::string& line) {
   if (std::isalpha(static_cast<unsigned char>(line[0])) == 0) return false;
   char* end = nullptr;
@@ -42,7 +42,7 @@ bool begins_with_word(const std::string& line) {
   return end == line.c_str() || std::isalpha(static_cast<unsigned char>(*end)) != 0;
 }
 
-// Lines "time,x,y,z"; empty ones, and those that begin with # or a word, say nothing.
+// Lines "time,x,y,z"; empty lines, and those that begin with # or a word, are skipped.
 std::vector<ObstacleKnot> read_knots(MPI_Comm comm, const std::string& path) {
   std::istringstream lines(read_file_everywhere(comm, path));
   std::vector<ObstacleKnot> knots;

@@ -100,7 +100,7 @@ void read_colour(Section colour, Scene& scene) {
   colour.reject_unknown();
 }
 
-// A row for every step unless the table says otherwise.
+// A row for every step unless the table specifies otherwise.
 std::optional<Schedule> read_rows(Section rows) {
   if (!rows.present()) return std::nullopt;
   Schedule schedule = read_schedule(rows);
@@ -181,8 +181,8 @@ Scene read_scene(MPI_Comm comm, const std::string& path, const std::vector<std::
 }
 
 std::string scene_reference() {
-  // The reader itself lists the keys it asks for, so the reference cannot drift from it. All tables are there, empty;
-  // what is missing from them does not matter here.
+  // The reader itself lists the keys that it asks for, so the reference cannot drift from it. All tables are present,
+  // but empty; it does not matter here what is missing from them.
   const std::string every_table =
       "particles = [{type = 'block'}, {type = 'file'}]\nfountain = [{}]\ninlet = [{}]\ndrain = [{}]\n"
       "obstacle = [{type = 'basin'}, {type = 'box'}, {type = 'cylinder'}, {type = 'torus'}, {type = 'mesh', motion = "

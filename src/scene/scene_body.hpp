@@ -9,7 +9,7 @@ namespace trevi {
 void read_body(Section& section, Scene& scene);
 /// Rules between bodies and other tables.
 void check_bodies(Section& root, const Scene& scene);
-/// Of bodies whose meshes have been read: that they are in the box, and not in each other. InputError.
+/// Checks of bodies whose meshes have been read: that they are in the box, and not inside each other. InputError.
 void check_body_places(const Scene& scene);
 
 }  // namespace trevi

@@ -25,11 +25,11 @@ struct Value {
   bool by_override = false;
 };
 
-/// "fluid.spacing", "particles.0.min" and so on, with what stands there.
+/// "fluid.spacing", "particles.0.min" and so on, with their values.
 using Values = std::map<std::string, Value>;
 
 std::string text_of(const toml::node& node) {
-  // Through one format, so that 1, 1.0 and 1e0 are the same.
+  // In a single format, so that 1, 1.0 and 1e0 are the same.
   if (const auto* real = node.as_floating_point()) return fmt::format("{}", real->get());
   if (const auto* array = node.as_array()) {
     std::string all;
@@ -99,13 +99,14 @@ bool holds(const Values& values, const std::string& path, std::string_view word)
   return found != values.end() && found->second.text.find(word) != std::string::npos;
 }
 
-/// Whether a particle has the mass rho0 s³, whatever the kernel: the report's preset says so, too.
+/// Whether a particle has the mass rho0 s³ with any kernel: the report's preset implies it, too.
 bool has_mass_of_volume(const Values& values) {
   return values.contains("fluid.mass") ? holds(values, "fluid.mass", "volume")
                                        : holds(values, "density.preset", "report");
 }
 
-/// Why not even --set may change it; empty when it may. `by_volume`: the mass, then and now.
+/// Why not even --set may change it; empty if it may. `by_volume`: whether the mass follows from the volume, then and
+/// now.
 std::string why_never(const std::string& path, std::pair<bool, bool> by_volume) {
   if (path == "time.dt") return "steps of another length need a run of their own";
   if (path == "fluid.spacing") return "the particles of the checkpoint have the mass and the size of their lattice";
@@ -120,7 +121,7 @@ std::string why_never(const std::string& path, std::pair<bool, bool> by_volume) 
   return {};
 }
 
-/// A file that the scene names, by the first of these keys; the others say how it is read.
+/// A file that the scene refers to, by the first of these keys; the others say how it is read.
 struct NamedFile {
   std::string name;
   std::vector<std::string> keys;
@@ -151,13 +152,13 @@ std::vector<NamedFile> obstacle_files(const Scene& scene) {
   return files;
 }
 
-/// Sorts the changes into those that are fine and those that are not.
+/// Sorts the changes into those that are allowed and those that are not.
 class Comparison {
  public:
   Comparison(const Values& then, const Values& now)
       : then_(then), now_(now), by_volume_(has_mass_of_volume(then), has_mass_of_volume(now)) {}
 
-  /// Files that hold something else than they did, where no key says that they may.
+  /// Files whose content has changed although no key says that it may.
   void add_files(const std::vector<NamedFile>& files, const std::vector<std::int64_t>& then,
                  const std::vector<std::int64_t>& now) {
     for (std::size_t k = 0; k < std::min({files.size(), then.size(), now.size()}); ++k) {

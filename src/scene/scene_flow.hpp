@@ -8,7 +8,7 @@
 
 namespace trevi {
 
-/// As make_flow() of a solver; InputErrors name the file and the line of the scene.
+/// As make_flow() of a solver; InputErrors give the file and the line of the scene.
 FlowParts make_scene_flow(MPI_Comm comm, const Scene& scene, std::optional<FlowState> state = std::nullopt);
 
 }  // namespace trevi

@@ -10,7 +10,7 @@ Schedule read_schedule(Section& section);
 
 std::optional<FrameSettings> read_frames(Section frames, bool has_colour);
 
-/// All of them, when the box has been read.
+/// Reads all of them, after the box has been read.
 void read_frame_sets(Section& output, Scene& scene, bool has_colour);
 
 }  // namespace trevi

@@ -21,7 +21,7 @@ void belongs_to(Section& section, const char* key, bool right, const char* words
 }
 
 void read_radius(Section& section, const Scene& scene, GaugeSettings& gauge, bool box_known) {
-  constexpr Real least = 1;  // spacings: a smaller disc holds a particle at times, and none at others
+  constexpr Real least = 1;  // spacings: a smaller disc holds a particle at some times, and none at others
   gauge.radius = 2 * scene.fluid.spacing;
   section.number(
       {"radius",
@@ -38,7 +38,7 @@ void read_radius(Section& section, const Scene& scene, GaugeSettings& gauge, boo
   belongs_to(section, "radius", gauge.kind != GaugeKind::flow, "a disc or a ball; a flow has a size");
 }
 
-// Without a normal a pressure is that of the water there.
+// Without a normal, a pressure is that of the water at this place.
 void read_normal(Section& section, const Scene& scene, GaugeSettings& gauge) {
   const bool required = gauge.kind == GaugeKind::flow || gauge.kind == GaugeKind::run_up;
   const bool given = section.direction({"normal",
@@ -66,7 +66,7 @@ void read_rectangle(Section& section, GaugeSettings& gauge) {
                 "must be positive; give the edges [a, b] of the rectangle in metres");
 }
 
-// The places of gauges of height along a line, itself the first of them.
+// The places of height gauges along a line, of which the gauge itself is the first.
 std::vector<Vec3> read_line(Section& section, const Scene& scene, const GaugeSettings& gauge, bool box_known) {
   constexpr int most = 10000;
   Vec3 to = gauge.center;
@@ -137,7 +137,7 @@ void check_gauges(Section& root, const Scene& scene) {
 
 namespace {
 
-// Whether water can never be there: in an obstacle that stands, or behind a paddle however far it draws back.
+// Whether water can never be there: in a standing obstacle, or behind a paddle however far it draws back.
 bool is_never_wet(const Scene& scene, const FreePlaces& places, const Vec3& p) {
   const int solid = places.solid_at(p);
   if (solid < 0 || std::cmp_greater_equal(solid, scene.obstacles.size())) return false;
@@ -145,7 +145,7 @@ bool is_never_wet(const Scene& scene, const FreePlaces& places, const Vec3& p) {
   return obstacle.wavemaker ? places.solid_at(p, paddle_reach(*obstacle.wavemaker)) == solid : !obstacle.moves();
 }
 
-// Of a column all of it.
+// For a column: all of it.
 bool is_never_wet(const Scene& scene, const FreePlaces& places, const GaugeSettings& gauge) {
   if (gauge.kind == GaugeKind::velocity || gauge.kind == GaugeKind::pressure_in_water)
     return is_never_wet(scene, places, gauge.center);
@@ -156,7 +156,7 @@ bool is_never_wet(const Scene& scene, const FreePlaces& places, const GaugeSetti
   return true;
 }
 
-// Of a line of places some may be in a solid, but not all.
+// Some of a line of places may be in a solid, but not all.
 void check_in_water(const Scene& scene, const FreePlaces& places) {
   const auto line = [&](std::size_t k) { return SceneTable("gauge", k).line_in(scene); };
   for (std::size_t k = 0, end = 0; k < scene.gauges.size(); k = end) {

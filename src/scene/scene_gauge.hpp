@@ -10,10 +10,10 @@ namespace trevi {
 /// The spacing, the box and the obstacles have been read.
 void read_gauge(Section& gauge, Scene& scene, bool box_known);
 
-/// What gauges need of other tables, when all have been read.
+/// Checks what gauges need from other tables, when all have been read.
 void check_gauges(Section& root, const Scene& scene);
 
-/// That gauges of pressure are on a wall or an obstacle; once the obstacles' files are read.
+/// Checks that pressure gauges are on a wall or an obstacle; once the obstacles' files have been read.
 void check_gauge_places(const Scene& scene, const FreePlaces& places);
 
 }  // namespace trevi

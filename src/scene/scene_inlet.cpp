@@ -15,7 +15,7 @@
 namespace trevi {
 namespace {
 
-/// Of a layer; more is taken for a mistake.
+/// For one layer; a larger number is assumed to be a mistake.
 constexpr Real max_places = 100'000'000;
 
 void only_for(Section& section, const char* key, bool right, const char* words) {
@@ -39,7 +39,7 @@ void read_opening(Section& section, InletSettings& inlet) {
                 "must be positive; give the edges [a, b] of the rectangle in metres");
 }
 
-// `lattice`: none where the opening is not known.
+// `lattice`: none if the opening is not known.
 void read_flow_rate(Section& section, InletSettings& inlet, const std::optional<InletLattice>& lattice, Real spacing) {
   Real flow = 0;
   if (!section.number({"flow", "the water that enters in m³/s, in place of speed"}, flow, at_least(0))) return;
@@ -58,7 +58,7 @@ void lay_in_plane(Section& section, const Scene& scene, InletSettings& inlet) {
   lay_in_plane(inlet, scene.fluid);
 }
 
-// None where the opening is not known, or has more places than can be meant.
+// None if the opening is not known, or has more places than can be intended.
 std::optional<InletLattice> lattice_of(Section& section, const Scene& scene, const InletSettings& inlet,
                                        const KnownGood& known) {
   const Real spacing = scene.fluid.spacing;
@@ -73,7 +73,7 @@ void refuse_in_wall(Section& section, const std::optional<WallRefusal>& refusal)
   if (refusal && section.fine(refusal->key)) section.check(refusal->key, false, refusal->why);
 }
 
-// Of an opening in a wall.
+// For an opening in a wall.
 void read_in_wall(Section& section, InletSettings& inlet) {
   std::string text;
   Real level = 0;
@@ -92,7 +92,7 @@ void read_in_wall(Section& section, InletSettings& inlet) {
   }
 }
 
-// In the mean over the opening, at the start; checked at the times of all steps, or at a thousand where there are more.
+// The mean over the opening, at the start; checked at the times of all steps, or at a thousand if there are more.
 void read_mean_speed(Section& section, InletSettings& inlet, Real rows, const Scene& scene) {
   constexpr Real highest = 1e4, max_times = 1000;
   try {
@@ -112,7 +112,7 @@ void read_mean_speed(Section& section, InletSettings& inlet, Real rows, const Sc
   }
 }
 
-// What is wrong at a time in between only the run finds.
+// Errors at times in between are found only by the run.
 void name_place_of_profile(const Section& section, InletSettings& inlet) {
   const auto prefix = section.told("profile", "");
   inlet.profile->speed = [prefix, speed = inlet.profile->speed](Real z, Real t) {
@@ -235,7 +235,7 @@ void check_flow(Section& root, const Scene& scene) {
 
 namespace {
 
-// The first obstacle in the box of a drain in a wall, where the level is measured; -1 where there is none.
+// The first obstacle in the box of a drain in a wall, where the level is measured; -1 if there is none.
 int solid_in(const DrainSettings& drain, const Scene& scene, const FreePlaces& places) {
   constexpr Real most = 40;  // samples along an axis
   const Vec3 low = drain.min.cwiseMax(scene.domain.min), extent = drain.max.cwiseMin(scene.domain.max) - low;

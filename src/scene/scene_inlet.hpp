@@ -7,17 +7,17 @@
 
 namespace trevi {
 
-/// Adds them to the scene, whose box, spacing and fountains are read already.
+/// Adds them to the scene, whose box, spacing and fountains have already been read.
 void read_inlet(Section& section, Scene& scene, const KnownGood& known);
 void read_drain(Section& section, Scene& scene, const KnownGood& known);
 
-/// Rules between the tables, once all are read.
+/// Rules between the tables, once all have been read.
 void check_flow(Section& root, const Scene& scene);
 
-/// That no opening is in an obstacle at the start, where its water would be made in the solid; once the obstacles'
-/// files are read.
+/// Checks that no opening is in an obstacle at the start, where its water would be made inside the solid; once the
+/// obstacles' files have been read.
 void check_openings(const Scene& scene, const FreePlaces& places);
-/// The same of solids in boxes of drains in walls.
+/// The same for solids in the boxes of drains in walls.
 void check_drains(const Scene& scene, const FreePlaces& places);
 
 }  // namespace trevi

@@ -13,7 +13,7 @@ void read_derived(Section& section, const Key& key, Derived<Real>& target, const
 
 namespace {
 
-/// A request to stop is seen between two steps, so a step must not take hours.
+/// A request to stop is noticed between two steps, so a step must not take hours.
 constexpr int max_iterations = 10000;
 
 void read_density(Section& section, DensitySettings& density) {

@@ -1,5 +1,5 @@
-// The tables of a scene that say how the water is moved: gravity, density, walls, artificial pressure and vorticity.
-// Each stands on its own, as no rule of theirs needs to know another table.
+// The tables of a scene that determine how the water is moved: gravity, density, walls, artificial pressure and
+// vorticity. Each is independent, because none of their rules refers to another table.
 #pragma once
 
 #include "scene/scene_reader.hpp"
@@ -10,7 +10,7 @@ namespace trevi {
 /// A number whose absence means that it follows from others.
 void read_derived(Section& section, const Key& key, Derived<Real>& target, const Interval& range);
 
-/// `density` is the table [density] of `root`, of which the preset has been read.
+/// `density` is the table [density] of `root`, whose preset has been read.
 void read_method(Section& root, Section& density, Scene& scene);
 
 }  // namespace trevi

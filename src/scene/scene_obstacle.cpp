@@ -29,7 +29,7 @@ void read_basin(Section& section, const FluidSettings& fluid, ObstacleSettings& 
   }
 }
 
-// Only the keys of its shape are asked for; others are unknown.
+// Only the keys of its shape are accepted; others are unknown.
 void read_lengths(Section& section, const FluidSettings& fluid, ObstacleSettings& obstacle) {
   const ShapeKind shape = obstacle.shape;
   const bool has_height = shape == ShapeKind::cylinder || shape == ShapeKind::capsule;
@@ -73,7 +73,7 @@ void read_place(Section& section, const Scene& scene, ObstacleSettings& obstacle
     section.numbers({"center", "the middle [x, y, z] in metres", true}, obstacle.center);
   }
   section.numbers({"rotate", "degrees [x, y, z] about the axes through the centre, x first"}, obstacle.rotate);
-  constexpr Real max_degrees = 1e6;  // of which rounding leaves a millionth of a degree
+  constexpr Real max_degrees = 1e6;  // for which rounding leaves a millionth of a degree
   section.check("rotate", obstacle.rotate.cwiseAbs().maxCoeff() <= max_degrees,
                 "must be at most a million degrees about each axis; check the units");
   if (obstacle.shape != ShapeKind::basin)
@@ -85,7 +85,7 @@ bool may_follow(const ObstacleKnot& last, const ObstacleKnot& next) {
          (next.center - last.center).cwiseAbs().maxCoeff() <= fastest_obstacle * (next.time - last.time);
 }
 
-// Of a list of lists of a time and a place; none for anything else. In two dimensions a place may be [x, z].
+// A list of lists of a time and a position; none for anything else. In two dimensions a position may be [x, z].
 std::vector<ObstacleKnot> knots_of(const toml::node& node, bool in_plane) {
   std::vector<ObstacleKnot> knots;
   const toml::array* rows = node.as_array();

@@ -15,7 +15,7 @@ inline bool is_place(const Vec3& center) { return (center.array().abs() <= 1e9).
 
 void read_obstacle(Section& section, Scene& scene);
 
-/// Parts of the table that [[body]] shares. Type, lengths and place; false where the type is not known.
+/// The parts of the table that [[body]] shares. Type, lengths and position; false if the type is not known.
 bool read_solid(Section& section, const Scene& scene, ObstacleSettings& obstacle);
 void read_velocities(Section& section, ObstacleSettings& obstacle);
 /// Restitution and friction.

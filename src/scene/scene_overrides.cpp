@@ -13,7 +13,7 @@
 namespace trevi {
 namespace {
 
-// toml++ follows a dotted key by recursion, so a line of many thousand dots would exhaust the stack.
+// toml++ follows a dotted key by recursion, so a line with many thousand dots would exhaust the stack.
 constexpr std::size_t longest_line = 4096;
 
 bool is_plain_word(std::string_view text) {
@@ -29,10 +29,10 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// "0.01" for ".01", "1.0e3" for "1.e3", and so on; empty for what is no number, or one as it stands.
+/// "0.01" for ".01", "1.0e3" for "1.e3", and so on; empty for text that is not a number, or is valid as it is.
 std::string number_meant(const std::string& text) {
   static const std::regex number("([+-]?)([0-9]*)\\.([0-9]*)([eE][+-]?[0-9]+)?");
-  constexpr std::size_t longest_number = 40;  // the regex goes by recursion
+  constexpr std::size_t longest_number = 40;  // the regex works by recursion
   std::smatch part;
   if (text.size() > longest_number || !std::regex_match(text, part, number)) return {};
   const std::string before = part[2], after = part[3];
@@ -40,7 +40,7 @@ std::string number_meant(const std::string& text) {
   return part[1].str() + (before.empty() ? "0" : before) + "." + (after.empty() ? "0" : after) + part[4].str();
 }
 
-/// What TOML says of a text that it cannot read; of .01 and 5., which are numbers elsewhere, what to write instead.
+/// TOML's message about a text that it cannot read; for .01 and 5., which are numbers elsewhere, what to write instead.
 std::string toml_problem(std::string_view text, const toml::parse_error& error) {
   const toml::source_position at = error.source().begin;
   for (toml::source_index line = 1; line < at.line && text.find('\n') != std::string_view::npos; ++line)
@@ -70,7 +70,7 @@ std::optional<toml::table> parse_override(const std::string& assignment, Finding
     findings.add_override(assignment, "not of the form table.key=value");
   } catch (const toml::parse_error& error) {
     const std::string_view value = trimmed(std::string_view(assignment).substr(equals + 1));
-    // A shell eats the quotes of "chebyshev", so a plain word stands for itself.
+    // A shell removes the quotes of "chebyshev", so a plain word represents itself.
     if (is_plain_word(value) && number_meant(std::string(value)).empty()) {
       try {
         return toml::parse(assignment.substr(0, equals) + "=\"" + std::string(value) + '"', "--set " + assignment);
@@ -93,7 +93,7 @@ bool is_indexed(const toml::table& table) {
                                        [](auto&& entry) { return list_index(entry.first.str()).has_value(); });
 }
 
-/// Lays one override over the document. Nodes are moved, which keeps their origin; copies would lose it.
+/// Applies one override to the document. Nodes are moved, which keeps their origin; copies would lose it.
 class Overlay {
  public:
   Overlay(const std::string& assignment, Findings& findings) : assignment_(assignment), findings_(findings) {}

@@ -15,7 +15,7 @@ namespace trevi {
 
 namespace {
 
-// An inlet sees no water beyond an end, and makes none there.
+// An inlet does not see water beyond a periodic end, and makes none there.
 void check_inlet(const Scene& scene, const InletSettings& inlet) {
   const Real least = 2 * scene.fluid.kernel_radius;
   const Vec3 reach = InletLattice(inlet, scene.fluid.spacing).reach();

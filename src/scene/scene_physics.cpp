@@ -138,7 +138,7 @@ void PhysicsReader::check_coordinates() {
                   farthest, scene_.fluid.spacing));
 }
 
-// Tested before anything is derived from it: with an absurd radius the sums over the lattice would hardly end.
+// Checked before anything is derived from it: with an absurd radius the sums over the lattice would hardly end.
 bool PhysicsReader::check_kernel_radius() {
   constexpr Real rounding = 1e-9;  // 0.06 / 0.05 need not be 1.2 or more
   if (!fluid_.fine("spacing") || !fluid_.fine("kernel_radius")) return false;
@@ -171,7 +171,7 @@ void PhysicsReader::check_cells() {
                             cells, h));
 }
 
-// What the absent keys mean, and the rules that need to know.
+// The meaning of absent keys, and the rules that depend on it.
 void PhysicsReader::resolve(Section& viscosity) {
   if (!check_kernel_radius()) return;
   static_cast<Settings&>(scene_) = resolved(scene_);
@@ -230,7 +230,7 @@ void PhysicsReader::read_viscosity(Section& section) {
   }
 }
 
-// XSPH must not take a velocity past the mean of its neighbours.
+// XSPH must not move a velocity beyond the mean of its neighbours.
 void PhysicsReader::check_viscosity(Section& section) {
   const FluidSettings& fluid = scene_.fluid;
   if (scene_.viscosity && section.fine("c") && fluid_.fine("rest_density")) {

@@ -1,5 +1,5 @@
-// The tables of a scene that say what is simulated: box, fluid, particles, time, forces, filters, fountains.
-// Problems go to the findings of `root`; what cannot be used keeps its default, so checks go on to the end.
+// The tables of a scene that determine what is simulated: box, fluid, particles, time, forces, filters, fountains.
+// Problems go to the findings of `root`; invalid values keep their defaults, so that checks continue to the end.
 #pragma once
 
 #include "scene/scene_reader.hpp"

@@ -1,5 +1,5 @@
-// For what is found after a scene was read, in files that it names for instance: an error is reported with the place in
-// the scene that names it. Not collective.
+// For problems that are found after a scene was read, for instance in files that it refers to: an error is reported
+// with the place in the scene that refers to them. Not collective.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ class SceneTable {
 
   /// To be called when an element of the list is read; 0: it came from --set.
   static void add(Scene& scene, const char* list, int line) { scene.lines.lines_[list].push_back(line); }
-  /// In the file of the scene; 0 where it is in none.
+  /// The line in the scene file; 0 if it is not in the file.
   int line_in(const Scene& scene) const;
   /// "scene.toml:12: [[fountain]] music: " for the key "music"; the key may be empty.
   std::string place_in(const Scene& scene, const std::string& key) const;
@@ -27,14 +27,14 @@ class SceneTable {
   std::size_t index_;
 };
 
-/// A key of a table of which there is one: {"domain", "ranks"}.
+/// A key of a table that exists once: {"domain", "ranks"}.
 class SceneKey {
  public:
   constexpr SceneKey(const char* table, const char* key) : table_(table), key_(key) {}
 
   /// To be called when it is read; 0: it came from --set.
   void add(Scene& scene, int line) const { scene.lines.lines_[name()] = {line}; }
-  /// "scene.toml:12: [domain] ranks: ", without the line where the key is not in the file.
+  /// "scene.toml:12: [domain] ranks: ", without the line if the key is not in the file.
   std::string place_in(const Scene& scene) const;
 
  private:
@@ -42,7 +42,7 @@ class SceneKey {
   const char *table_, *key_;
 };
 
-/// Does `work` for a key; its InputErrors gain this place.
+/// Does `work` for a key; its InputErrors are given this place.
 template <class Work>
 auto told_at(const Scene& scene, const SceneKey& key, Work&& work) {
   try {
@@ -52,7 +52,7 @@ auto told_at(const Scene& scene, const SceneKey& key, Work&& work) {
   }
 }
 
-/// The same for a key of a table of a list.
+/// The same for a key of a table in a list.
 template <class Work>
 auto told_at(const Scene& scene, const SceneTable& table, const std::string& key, Work&& work) {
   try {

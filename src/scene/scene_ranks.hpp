@@ -1,4 +1,4 @@
-// The key [domain] ranks of a scene, and what of a scene depends on the number of ranks. Not collective.
+// The key [domain] ranks of a scene, and what in a scene depends on the number of ranks. Not collective.
 #pragma once
 
 #include "scene/scene_reader.hpp"
@@ -9,8 +9,8 @@ namespace trevi {
 
 void read_ranks(Section& domain, Scene& scene);
 
-/// first_slabs() for a scene: its InputErrors name the file, and the line and key that the number of ranks goes
-/// against.
+/// first_slabs() for a scene: its InputErrors give the file, and the line and key with which the number of ranks is in
+/// conflict.
 Slabs slabs_of(MPI_Comm comm, const Scene& scene, const CellGrid& grid, const CellWeights& weights);
 
 }  // namespace trevi

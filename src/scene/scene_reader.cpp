@@ -34,7 +34,7 @@ std::string shown(const toml::node& node) {
   return '[' + printable(all) + ']';
 }
 
-// 0 where it came from an override.
+// 0 if it came from an override.
 int line_in_file(const toml::source_region& where) {
   return where.path && where.path->starts_with("--set ") ? 0 : static_cast<int>(where.begin.line);
 }
@@ -74,7 +74,7 @@ const toml::table* Section::accept_table(const toml::node& node, const Place& pl
 Section Section::child(const std::string& name) {
   if (std::find(known_.begin(), known_.end(), name) == known_.end()) known_.push_back(name);
   const std::string path = place_.path.empty() ? name : place_.path + '.' + name;
-  // Of a table in a list TOML's own header has no number: [obstacle.motion].
+  // TOML's own header of a table in a list has no number: [obstacle.motion].
   std::string label = place_.label;
   std::erase_if(label, [](char c) { return c == '[' || c == ']'; });
   Place place{place_.where, path, fmt::format("[{}{}{}]", label, label.empty() ? "" : ".", name)};
@@ -193,7 +193,7 @@ bool Section::integer_between(const Key& key, std::int64_t& target, std::pair<st
 bool Section::direction(const Key& key, Vec3& target) {
   Vec3 given;
   if (!numbers(key, given)) return false;
-  const Vec3 unit = given.stableNormalized();  // zero, too, where the length is more than a number can be
+  const Vec3 unit = given.stableNormalized();  // zero, too, if the length exceeds the range of numbers
   const bool points = check(key.name, unit.squaredNorm() > 0.5, "must not be zero; give a direction of any length");
   if (points) target = unit;
   return points;

@@ -1,7 +1,7 @@
-// Reading a TOML table into plain members: types, ranges, missing and unknown keys.
-// A Section never throws on bad input: it hands each problem to Findings, leaves the target as it was and goes on,
-// so that one pass finds every problem. Findings also keeps the keys that were asked for, which is the reference.
-// Nothing here knows what a scene is. Not collective; the same document gives the same findings on all ranks.
+// Reading a TOML table into plain members: types, ranges, missing and unknown keys. A Section never throws for invalid
+// input: it hands each problem to Findings, leaves the target unchanged and continues, so that one pass finds all
+// problems. Findings also keeps the keys that were asked for, which is the reference. Nothing here knows what a scene
+// is. Not collective; the same document gives the same findings on all ranks.
 #pragma once
 
 #include <toml++/toml.h>
@@ -28,7 +28,7 @@ struct Key {
   bool required = false;
 };
 
-/// Finite numbers from low to high, the ends included or not.
+/// Finite numbers from low to high, with the ends included or not.
 struct Interval {
   Real low = -std::numeric_limits<Real>::infinity(), high = std::numeric_limits<Real>::infinity();
   bool with_low = true, with_high = true;
@@ -38,7 +38,7 @@ struct Interval {
 inline Interval above(Real low) { return {.low = low, .with_low = false}; }
 inline Interval at_least(Real low) { return {.low = low}; }
 
-/// What of a scene is known to be good before the tables that depend on it are read.
+/// What in a scene is known to be valid before the tables that depend on it are read.
 struct KnownGood {
   bool box, spacing;
 };
@@ -51,12 +51,12 @@ class Section {
   Section child(const std::string& name);
   std::vector<Section> children(const std::string& name);
 
-  /// These return whether the key was given and good; only then is the target written.
+  /// These return whether the key was given and valid; only then is the target written.
   bool number(const Key& key, Real& target, const Interval& range = {});
   bool numbers(const Key& key, std::span<Real> target);
-  /// [x, y, z], or, in a scene of two dimensions, [x, z] with y = 0.
+  /// [x, y, z], or, in a two-dimensional scene, [x, z] with y = 0.
   bool numbers(const Key& key, Vec3& target);
-  /// Of any length but zero; the target gets the length 1.
+  /// Any length except zero; the target is normalized to length 1.
   bool direction(const Key& key, Vec3& target);
   bool flag(const Key& key, bool& target);
   bool text(const Key& key, std::string& target);
@@ -67,13 +67,13 @@ class Section {
   bool choice(const Key& key, E& target, const std::vector<std::pair<const char*, E>>& options);
   bool choice(const Key& key, std::string& target, std::span<const std::string> options);
 
-  /// The value of a key of more than one type, and the way to refuse it.
+  /// The value of a key that may have several types, and the way to refuse it.
   const toml::node* find(const Key& key, const std::string& type);
   void refuse(const Key& key, const std::string& what);
 
-  /// A rule between keys: reported once, and only when the key was good so far.
+  /// A rule between keys: reported once, and only if the key was valid so far.
   bool check(const char* key, bool holds, const std::string& message);
-  /// Such a message, for what only the run finds.
+  /// Such a message, for problems that only the run finds.
   std::string told(const char* key, const std::string& message) const {
     return findings_->told(place_of(key), message);
   }
@@ -83,11 +83,11 @@ class Section {
   bool fine(const char* key) const { return !failed_.contains(key); }
   /// From now on vectors of the document may be [x, z].
   void allow_pairs() { findings_->pairs_ = true; }
-  /// In the scene file; 0 when the table came from an override.
+  /// The line in the scene file; 0 if the table came from an override.
   int line() const;
-  /// The same of a key.
+  /// The same for a key.
   int line_of(const char* key) const;
-  /// Reports the keys that nobody asked for; call last.
+  /// Reports the keys that were not asked for; call last.
   void reject_unknown();
 
  private:
@@ -101,7 +101,7 @@ class Section {
   const toml::table* table_;
   Place place_;
   Findings* findings_;
-  bool malformed_ = false;  ///< something else stands in the table's place, so nothing is missing from it
+  bool malformed_ = false;  ///< something else is in the table's place, so nothing is missing from it
   std::vector<std::string> known_;
   std::set<std::string, std::less<>> failed_;
 };

@@ -59,7 +59,8 @@ void read_wave(Section& section, WavemakerSettings& maker) {
   read_irregular(section, maker);
 }
 
-// By default so far from the end of the box that the paddle keeps a kernel radius from it, on a plane of the lattice.
+// By default at such a distance from the end of the box that the paddle keeps a kernel radius from it, on a plane of
+// the lattice.
 Real default_position(const WavemakerSettings& maker, const Scene& scene) {
   const Eigen::Index axis = maker.direction.x() != 0 ? 0 : 1;
   const bool up = maker.direction[axis] > 0;
@@ -75,7 +76,7 @@ bool all_fine(const Section& section) {
   return std::all_of(std::begin(keys), std::end(keys), [&](const char* key) { return section.fine(key); });
 }
 
-// Whether the waves can be made by a paddle in this box; what is wrong is told.
+// Whether the waves can be made by a paddle in this box; if not, the reason is reported.
 bool is_right(Section& section, const WavemakerSettings& maker, const Box& box) {
   const auto wrong = what_is_wrong(maker, box);
   if (wrong) section.check(wrong->key, false, wrong->why);
@@ -114,7 +115,7 @@ void read_wavemaker(Section& section, Scene& scene, const KnownGood& known) {
   maker.floor = scene.domain.min.z();
   section.reject_unknown();
   if (!all_fine(section) || !known.box || !known.spacing) return;
-  if (!placed) {  // what else is wrong is told first, as the place depends on it
+  if (!placed) {  // other problems are reported first, because the place depends on them
     if (!is_right(section, maker, {Vec3::Constant(-INFINITY), Vec3::Constant(INFINITY)})) return;
     maker.position = default_position(maker, scene);
   }

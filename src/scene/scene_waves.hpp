@@ -11,7 +11,7 @@ namespace trevi {
 /// Adds the paddle to the obstacles. Box, fluid, water, gravity and the other obstacles have been read.
 void read_wavemaker(Section& wavemaker, Scene& scene, const KnownGood& known);
 
-/// Of the water at the start, m above the floor; none where a file says where it is, or an expression.
+/// The depth of the water at the start, m above the floor; none if a file or an expression determines where it is.
 std::optional<Real> depth_of_water(const Scene& scene);
 
 /// The box has been read.

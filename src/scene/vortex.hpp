@@ -1,4 +1,4 @@
-// The start of a Taylor-Green vortex. Not collective.
+// The initial state of a Taylor-Green vortex. Not collective.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,8 @@
 
 namespace trevi {
 
-/// sin(2 pi turns), to 1e-14: by additions and multiplications alone, as the last bit of the C library's sine depends
-/// on its version.
+/// sin(2 pi turns), to 1e-14: by additions and multiplications alone, because the last bit of the C library's sine
+/// depends on its version.
 inline Real sine_of_turns(Real turns) {
   Real t = turns - std::round(turns);                    // in [-1/2, 1/2]
   if (std::abs(t) > 0.25) t = (t > 0 ? 0.5 : -0.5) - t;  // sin(pi - x) = sin(x)
@@ -19,9 +19,9 @@ inline Real sine_of_turns(Real turns) {
   return x + x * sum;
 }
 
-/// v = vortex (sin X cos Y, -(L_y/L_x) cos X sin Y, 0) with X = 2 pi (x - min)/L_x over the extent of the block: no
-/// divergence, and one whole vortex pattern, so that it repeats. `across` is the coordinate that stands for y: 1, or 2
-/// in two dimensions.
+/// v = vortex (sin X cos Y, -(L_y/L_x) cos X sin Y, 0) with X = 2 pi (x - min)/L_x over the extent of the block:
+/// divergence-free, and one complete vortex pattern, so that it is periodic. `across` is the coordinate that represents
+/// y: 1, or 2 in two dimensions.
 inline Vec3 vortex_at(const ParticleSource& block, const Vec3& p, Eigen::Index across) {
   const Vec3 extent = block.max - block.min, turns = (p - block.min).cwiseQuotient(extent);
   const auto sine = [](Real t) { return sine_of_turns(t); };

@@ -20,7 +20,7 @@ constexpr std::array<Bytes, 5> water = {
 // Blue, white, red (Moreland 2009, diverging).
 constexpr std::array<Bytes, 5> diverging = {
     {{59, 76, 192}, {140, 175, 254}, {235, 235, 235}, {245, 156, 125}, {180, 4, 38}}};
-// Okabe and Ito: told apart with any colour vision.
+// Okabe and Ito: distinguishable with any colour vision.
 constexpr std::array<Bytes, 8> distinct = {{{86, 180, 233},
                                             {230, 159, 0},
                                             {0, 158, 115},

@@ -20,10 +20,10 @@ namespace trevi {
 
 namespace {
 
-// Between the taps, as a share of three radii of a sphere, a pixel at least; an even number of passes.
+// Distance between the taps, as a fraction of three radii of a sphere, at least one pixel; an even number of passes.
 constexpr float gaps[] = {0.32F, 0.16F, 0.08F, 0};
 
-// Depths of the projection to distances.
+// Converts the depths of the projection to distances.
 constexpr const char* distances_program = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
@@ -36,8 +36,8 @@ void main(void) {
 }
 )";
 
-// An edge-avoiding à-trous filter (Dammertz et al. 2010): nine taps of a B-spline, in each pass nearer to one another,
-// together as wide as two spheres. Weights fall with the difference along the line of sight: what is a few spheres
+// An edge-avoiding à-trous filter (Dammertz et al. 2010): nine taps of a B-spline, closer together in each pass, which
+// together are as wide as two spheres. Weights fall with the difference along the line of sight: anything a few spheres
 // away is another surface.
 constexpr const char* filter_program = R"(//VTK::System::Dec
 //VTK::Output::Dec
@@ -64,7 +64,7 @@ void main(void) {
 }
 )";
 
-// The same two lights as for spheres. Of the differences to both sides the smaller one is on the same surface.
+// The same two lights as for spheres. Of the differences to both sides, the smaller one is on the same surface.
 constexpr const char* lights_program = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;

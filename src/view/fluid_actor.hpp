@@ -1,7 +1,7 @@
-// Draws spheres as the surface of a fluid, in screen space: their nearest depths and colours go into textures, are
-// smoothed together (after van der Laan, Green, Sainz, I3D 2009, by an edge-avoiding filter), and lit by the normals
-// of the smoothed depth. Colours are smoothed by the weights of the depth, so that they blend along a surface and never
-// through it. Where there is something nearer, that is kept.
+// Draws spheres as the surface of a fluid, in screen space: their nearest depths and colours are written to textures,
+// smoothed together (after van der Laan, Green, Sainz, I3D 2009, by an edge-avoiding filter), and lit by the normals of
+// the smoothed depth. Colours are smoothed with the weights of the depth, so that they blend along a surface and never
+// through it. Anything nearer that has already been drawn is kept.
 #pragma once
 
 #include <vtkNew.h>
@@ -22,7 +22,7 @@ class FluidActor : public vtkOpenGLActor {
   static FluidActor* New();
   vtkTypeMacro(FluidActor, vtkOpenGLActor)
 
-  /// Of a sphere, in the units of the scene.
+  /// The radius of a sphere, in the units of the scene.
   void set_radius(double radius) { radius_ = radius; }
 
   void Render(vtkRenderer* renderer, vtkMapper* mapper) override;
@@ -33,7 +33,7 @@ class FluidActor : public vtkOpenGLActor {
   ~FluidActor() override;
 
  private:
-  // How the camera sees: the tangents of half its angles, the range of its depths, and pixels.
+  // The view of the camera: the tangents of half its angles, the range of its depths, and pixels.
   struct View {
     float tangent[2], near_and_far[2], pixel[2];
     int size[2];

@@ -74,7 +74,7 @@ std::optional<std::size_t> FrameCache::next_missing() const {
 
 void FrameCache::make_room() {
   while (bytes_ > max_bytes_ && kept_.size() > ahead + 2) {
-    // Never one that is wanted now or next: it would be read again at once.
+    // Never one that is needed now or next: it would be read again at once.
     auto oldest = kept_.end();
     for (auto it = kept_.begin(); it != kept_.end(); ++it) {
       const bool needed = it->first >= wanted_ && it->first <= wanted_ + ahead;

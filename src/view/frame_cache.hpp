@@ -1,5 +1,6 @@
-// Frames read ahead by a thread, so that playing never waits for a disk: what is wanted first, then what comes next.
-// Keeps the frames used last, within a limit of bytes; a loop over a short run is then played from memory.
+// Frames read ahead by a thread, so that playing never waits for a disk: the requested one first, then those that come
+// next. Keeps the most recently used frames, within a limit of bytes; a loop over a short run is then played from
+// memory.
 #pragma once
 
 #include <condition_variable>
@@ -17,7 +18,7 @@ namespace trevi {
 
 class FrameCache {
  public:
-  /// `read` is called in the thread only; what it throws becomes the frame's error.
+  /// `read` is called only in the thread; what it throws becomes the frame's error.
   using Read = std::function<ViewedFrame(std::size_t)>;
   FrameCache(Read read, std::size_t max_bytes);
   ~FrameCache();
@@ -25,12 +26,12 @@ class FrameCache {
   FrameCache& operator=(const FrameCache&) = delete;
 
   struct Entry {
-    std::shared_ptr<const ViewedFrame> frame;  ///< null when it could not be read
+    std::shared_ptr<const ViewedFrame> frame;  ///< null if it could not be read
     std::string error;
   };
-  /// The frame when it is there; wants it, and the `ahead` after it, below `count`, in any case.
+  /// The frame if it is available; in any case requests it, and the `ahead` frames after it, below `count`.
   std::optional<Entry> get(std::size_t index, std::size_t count);
-  /// As get(), but waits for it.
+  /// Like get(), but waits for it.
   Entry wait_for(std::size_t index, std::size_t count);
 
  private:

@@ -11,7 +11,7 @@ namespace trevi {
 
 namespace {
 
-// The colours of the run, or else a rainbow over ids, which in a start lattice grow with the position, or else over x.
+// The colours of the run; otherwise a rainbow over ids, which grow with the position in an initial lattice, or over x.
 Rgb rainbow_of(const RawFrame& raw, const ViewedScene& scene, std::size_t i) {
   if (!raw.rgb.empty()) return raw.rgb[i];
   const auto count = static_cast<Real>(raw.position.size());
@@ -40,7 +40,7 @@ RawFrame read_raw(const std::string& path) {
   return raw;
 }
 
-// Beside the frame, whatever the list of frames can name.
+// Files beside the frame, regardless of what the list of frames can name.
 std::vector<std::shared_ptr<const TriangleMesh>> FrameReader::solids_of(const FrameEntry& entry) const {
   const std::filesystem::path folder = std::filesystem::path(entry.path).parent_path();
   const std::string still = (folder / still_obstacles).string(),

@@ -1,6 +1,6 @@
-// Reads one frame of a directory into what the painter draws: only particles that can be seen, thinned to a budget
-// (io/frames/visible.hpp), in rank order. A frame without ids is thinned by the index in the file, which is not the
-// same particle in each frame. May be called from any one thread at a time.
+// Reads one frame of a directory into the form that the painter draws: only particles that can be seen, thinned to a
+// budget (io/frames/visible.hpp), in rank order. A frame without ids is thinned by the index in the file, which is not
+// the same particle in each frame. May be called from any one thread at a time.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace trevi {
 
-/// All particles of a file; empty arrays for fields it does not hold.
+/// All particles of a file; empty arrays for fields that it does not contain.
 struct RawFrame {
   std::vector<Vec3> position;
   std::vector<float> speed, density;
@@ -22,12 +22,12 @@ struct RawFrame {
 /// Both throw InputError for a file that is missing or damaged.
 RawFrame read_vtu_frame(const std::string& path);  ///< .pvtu with its pieces, or .vtu
 RawFrame read_hdf_frame(const std::string& path);
-/// A surface of obstacles; InputError, too.
+/// A surface of obstacles; throws InputError, too.
 TriangleMesh read_vtp_surface(const std::string& path);
 
 class FrameReader {
  public:
-  /// `all`: particles that cannot be seen, too, and no budget.
+  /// `all`: include particles that cannot be seen, without a budget.
   FrameReader(const ViewedScene& scene, std::int64_t budget, bool all) : scene_(scene), budget_(budget), all_(all) {}
   ViewedFrame read(const FrameEntry& entry) const;
 
@@ -37,10 +37,10 @@ class FrameReader {
   ViewedScene scene_;
   std::int64_t budget_;
   bool all_;
-  mutable std::shared_ptr<const TriangleMesh> still_;  ///< obstacles that stay where they are, once they are read
+  mutable std::shared_ptr<const TriangleMesh> still_;  ///< obstacles that do not move, once they have been read
 };
 
-/// All of a file without looking at what can be seen.
+/// All particles of a file, whether or not they can be seen.
 RawFrame read_raw(const std::string& path);
 
 }  // namespace trevi

@@ -1,4 +1,4 @@
-// VTKHDF frames. A partition is a rank that had particles.
+// VTKHDF frames. A partition corresponds to a rank that had particles.
 #include "io/hdf5/hdf5_reader.hpp"
 #include "trevi/error.hpp"
 #include "view/frame_reader.hpp"

@@ -19,13 +19,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto between_wishes = std::chrono::milliseconds(500);  // repeated, and a probe whether the run is there
+constexpr auto between_wishes = std::chrono::milliseconds(500);  // repeated; also a probe whether the run is there
 constexpr int heartbeat = 2000, presumed_gone = 10000;           // ms
 
 constexpr std::int64_t longest_message = std::int64_t{1} << 30;  // bytes
 constexpr std::size_t max_parts = 3;                             // sender, text, particles
 
-/// Says once that somebody without the key has called; ZeroMQ has turned him away.
+/// Reports once that somebody without the key has called; ZeroMQ has rejected the call.
 class CallerMonitor : public zmq::monitor_t {
  private:
   void on_event_handshake_failed_no_detail(const zmq_event_t&, const char*) override { tell(); }
@@ -137,7 +137,8 @@ class ZmqLiveSource : public LiveSource {
   }
 
  private:
-  /// One message, whose parts arrive together: the sender's address, the text, perhaps particles. False for none.
+  /// One message, whose parts arrive together: the sender's address, the text, perhaps particles. False if there is
+  /// none.
   bool receive() {
     std::vector<std::string> parts;
     zmq::message_t part;

@@ -1,5 +1,5 @@
-// A run that is watched while it computes: waits for the run's call (live/viewer_link.hpp), shows its frames, steers
-// it by what it wishes. A run that ends, fails or is killed leaves its last picture and a message. Without ZeroMQ in
+// A run that is watched while it computes: waits for the run's call (live/viewer_link.hpp), shows its frames, and
+// steers it by requests. A run that ends, fails or is killed leaves its last picture and a message. Without ZeroMQ in
 // the build (live_source_absent.cpp) both functions throw InputError.
 #pragma once
 
@@ -11,11 +11,11 @@
 namespace trevi {
 
 struct LiveOptions {
-  std::int64_t budget = 0;  ///< particles of a picture, about
+  std::int64_t budget = 0;  ///< approximate number of particles in a picture
   bool paused = false;
 };
 
-/// mpirun -np `ranks` trevi `scene` `arguments`, with the trevi that lies beside this program.
+/// mpirun -np `ranks` trevi `scene` `arguments`, with the trevi beside this program.
 struct RunToStart {
   std::string scene;
   int ranks = 1;
@@ -24,13 +24,13 @@ struct RunToStart {
 
 class LiveSource : public FrameSource {
  public:
-  /// Exit code of the run we started, once it has ended.
+  /// Exit code of the run that we started, once it has ended.
   virtual std::optional<int> exit_code() = 0;
 };
 
 std::unique_ptr<LiveSource> start_run(const RunToStart& run, const LiveOptions& options);
-/// `address` as --listen gives it, for the run whose folder this is (or will be). InputError when the address is none,
-/// or taken.
+/// `address` as given to --listen, for the run whose folder this is (or will be). InputError if the address is invalid
+/// or in use.
 std::unique_ptr<LiveSource> listen_for_run(const std::string& address, const std::string& directory,
                                            const LiveOptions& options);
 

@@ -1,4 +1,4 @@
-// Stands in for live_source.cpp where ZeroMQ is not built in.
+// Replaces live_source.cpp if ZeroMQ is not built in.
 #include "trevi/error.hpp"
 #include "view/live_source.hpp"
 

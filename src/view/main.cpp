@@ -1,4 +1,4 @@
-// trevi-view: looks at runs. What each part does is in the headers beside this file.
+// trevi-view: a viewer for runs. What each part does is described in the headers beside this file.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -36,7 +36,7 @@ std::string frame_path(const ViewOptions& options, std::int64_t step) {
   return options.frames + "/frame_" + step_digits(step) + ".png";
 }
 
-/// Music must not keep anybody from looking.
+/// Problems with music must not prevent anybody from viewing.
 Pcm music_if_possible(const std::optional<Scene>& scene) {
   try {
     if (scene) return music_of(*scene);
@@ -70,7 +70,7 @@ ExitCode play_unattended(const ViewOptions& options, Playback& playback, Window&
 ExitCode play(ViewOptions options) {
   FrameList list(options.target);
   const auto scene = find_scene(list.directory(), options.scene);
-  // Its other colours are in the frames' rgb, or as good as by id.
+  // Its other colours are in the frames' rgb, or can be replaced by the id.
   if (!options.colour_given && scene && scene->colour == Colour::speed) options.colour = Colour::speed;
   const ViewedScene viewed = describe_run(list, scene);
   const std::size_t last = list.entries().size() - 1;
@@ -85,7 +85,7 @@ ExitCode play(ViewOptions options) {
   return ExitCode::done;
 }
 
-/// Until the run has called, or ended without doing so.
+/// Waits until the run has called, or has ended without doing so.
 void wait_for_call(LiveSource& source) {
   while (!source.frame() && !source.exit_code()) {
     source.advance(0);
@@ -117,12 +117,12 @@ ExitCode watch_unattended(const ViewOptions& options, LiveSource& source, Window
 std::optional<Scene> scene_of_run(const ViewOptions& options) {
   try {
     if (!options.target.empty()) return parse_scene(options.target, read_text(options.target), {});
-  } catch (const Error&) {  // the run itself will say what is wrong
+  } catch (const Error&) {  // the run itself will report what is wrong
   }
   return std::nullopt;
 }
 
-// Drawing in software takes a core, which the run needs more. To be called after the run was started, as a child
+// Drawing in software takes a core, which the run needs more. To be called after the run was started, because a child
 // inherits the priority.
 void lower_priority() { std::ignore = setpriority(PRIO_PROCESS, 0, lowest_priority); }
 
@@ -133,7 +133,7 @@ ExitCode watch(const ViewOptions& options) {
                              : listen_for_run(options.listen, options.target, live);
   lower_priority();
   if (starts) wait_for_call(*source);
-  // A run that could not even start has said why.
+  // A run that could not even start has reported why.
   if (!source->frame() && source->exit_code()) return static_cast<ExitCode>(*source->exit_code());
   Window window(*source, options);
   if (unattended(options)) return watch_unattended(options, *source, window);

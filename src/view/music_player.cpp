@@ -16,8 +16,8 @@ namespace trevi {
 
 namespace {
 
-constexpr double max_drift = 0.25;  // s between picture and sound before the sound begins anew
-constexpr double min_rest = 1.0;    // s between two beginnings, or it would stutter
+constexpr double max_drift = 0.25;  // s between picture and sound before the sound is restarted
+constexpr double min_rest = 1.0;    // s between two restarts, or it would stutter
 constexpr double real_time[] = {0.9, 1.1};
 
 // Each takes a file and ends by itself; quiet, without a window.

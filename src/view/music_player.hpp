@@ -1,6 +1,6 @@
 // Plays the music of a scene in step with the picture, through whatever plays sound files on this machine (a child
-// process); a machine without sound is told so once and stays silent. Sounds only while a simulated second takes about
-// a second. Scores and MIDI files are played as plain tones, sound files as they are. Rank-local.
+// process); on a machine without sound this is reported once, and it stays silent. Plays only while a simulated second
+// takes about a second. Scores and MIDI files are played as plain tones, sound files as they are. Rank-local.
 #pragma once
 
 #include <chrono>
@@ -19,19 +19,19 @@ struct Pcm {
 };
 inline constexpr int pcm_rate = 22050;  ///< Hz
 
-/// All fountains' music together; empty when there is none. InputError for a file that cannot be used.
+/// The music of all fountains together; empty if there is none. InputError for a file that cannot be used.
 Pcm music_of(const Scene& scene);
 
 class MusicPlayer {
  public:
   MusicPlayer() = default;  ///< silent
-  /// Says on stderr when there is music but nothing to play it.
+  /// Reports on stderr if there is music but nothing to play it.
   explicit MusicPlayer(Pcm music);
   ~MusicPlayer();
   MusicPlayer(const MusicPlayer&) = delete;
   MusicPlayer& operator=(const MusicPlayer&) = delete;
 
-  /// To be called again and again with the picture's time (s) and its pace (simulated seconds a second).
+  /// To be called repeatedly with the picture's time (s) and its pace (simulated seconds per second).
   void follow(double time, double rate);
 
  private:
@@ -45,7 +45,7 @@ class MusicPlayer {
   std::vector<std::string> player_;  ///< words of the program that plays a file; empty: silent
   std::string file_;
   std::optional<Child> child_;
-  double from_ = 0;  ///< time of the picture at the start of what is heard
+  double from_ = 0;  ///< time of the picture at the start of what is being played
   Clock::time_point started_, not_before_;
 };
 

@@ -34,7 +34,7 @@ void add_tone(Pcm& music, const Tone& tone) {
   }
 }
 
-/// At our rate, by the nearest two samples.
+/// At our sample rate, interpolated from the nearest two samples.
 void add_recording(Pcm& music, const Recording& recording) {
   const double step = recording.rate / pcm_rate;
   const auto count = static_cast<std::size_t>(static_cast<double>(recording.samples.size()) / step);

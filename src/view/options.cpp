@@ -38,7 +38,7 @@ std::map<std::string, int> viewer_colours() {
   return numbers;
 }
 
-// -np is how people give ranks to mpirun; CLI11 has one letter after one dash.
+// -np is the usual way to give mpirun the number of ranks; CLI11 allows one letter after a single dash.
 std::vector<std::string> words_of(int argc, const char* const* argv) {
   std::vector<std::string> words;
   for (int k = argc - 1; k > 0; --k) words.emplace_back(std::string(argv[k]) == "-np" ? "--np" : argv[k]);

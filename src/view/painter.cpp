@@ -44,7 +44,7 @@ Painter::Painter(vtkRenderer* renderer) : renderer_(renderer) {
   renderer_->SetBackground(0.05, 0.06, 0.09);
   renderer_->SetBackground2(0.20, 0.24, 0.31);
   renderer_->GradientBackgroundOn();
-  // They go by the bounds of cells, and spheres have one cell for all: seen from near, they would be left out.
+  // They use the bounds of cells, and spheres have one cell for all: at close range they would be left out.
   renderer_->GetCullers()->RemoveAllItems();
   add_light({-0.5, 0.9, 1}, 0.85);
   add_light({0.6, -0.1, 1}, 0.3);
@@ -72,7 +72,7 @@ void Painter::add_points() {
   points_->EmissiveOff();
   points_actor_->SetMapper(points_);
   points_actor_->GetProperty()->LightingOff();
-  // Points have no shape to light: the far ones are darker instead. The depth runs from 0 to 1 over the box.
+  // Points have no shape that could be lit; instead the far ones are darker. The depth runs from 0 to 1 over the box.
   points_actor_->GetShaderProperty()->AddFragmentShaderReplacement(
       "//VTK::Light::Impl", true,
       "//VTK::Light::Impl\n  gl_FragData[0].rgb *= mix(1.25, 0.75, clamp(gl_FragCoord.z, 0.0, 1.0));\n", false);
@@ -100,7 +100,7 @@ void Painter::add_fluid() {
   renderer_->AddActor(fluid_actor_);
 }
 
-// Only what looks at the camera: through the near walls of a vessel one sees the water.
+// Only what faces the camera: through the near walls of a vessel one sees the water.
 void Painter::add_solids() {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(solids_);
@@ -213,7 +213,7 @@ void Painter::recolour() {
   colours->SetNumberOfTuples(static_cast<vtkIdType>(frame_->shown.size()));
   std::copy(rgb_.begin(), rgb_.end(), colours->GetPointer(0));
   particles_->GetPointData()->SetScalars(colours);
-  // The mappers look at the points' age only.
+  // The mappers check only the age of the points.
   if (particles_->GetPoints() != nullptr) particles_->GetPoints()->Modified();
   particles_->Modified();
   with_cell_->SetPoints(particles_->GetPoints());

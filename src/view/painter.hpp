@@ -1,5 +1,6 @@
 // Draws particles, obstacles and their box into a VTK renderer: as points, as lit spheres, or as the surface of a
-// fluid, found in screen space (fluid_actor.hpp). Nothing is meshed; a new frame is an upload of positions and colours.
+// fluid, determined in screen space (fluid_actor.hpp). Nothing is meshed; a new frame is an upload of positions and
+// colours.
 #pragma once
 
 #include <vtkNew.h>
@@ -24,7 +25,7 @@ namespace trevi {
 enum class Style { points, spheres, fluid };
 inline constexpr std::array<const char*, 3> style_names = {"points", "spheres", "fluid"};
 
-/// Degrees around and above, and how near (1: the whole box).
+/// Angles in degrees around and above, and the magnification (1: the whole box).
 struct CameraPose {
   double azimuth = 30, elevation = 20, zoom = 1;
 };
@@ -34,10 +35,11 @@ class Painter {
   explicit Painter(vtkRenderer* renderer);
   ~Painter();
 
-  /// Box, sizes of particles, camera.
+  /// Sets the box, sizes of particles, and camera.
   void set_scene(const ViewedScene& scene, const CameraPose& pose);
   void reset_camera();
-  /// Before a picture, as the camera may have moved: neighbouring points touch where the camera looks.
+  /// To be called before a picture, because the camera may have moved: neighbouring points touch where the camera
+  /// looks.
   void size_points();
   void show(std::shared_ptr<const ViewedFrame> frame);
   void set_style(Style style);

@@ -17,7 +17,7 @@ void write_picture(vtkRenderWindow* window, const std::string& path) {
   shot->ShouldRerenderOff();
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputConnection(shot->GetOutputPort());
-  // Through memory, as VTK would only print that a disk is full.
+  // Through memory, because VTK would only print that a disk is full.
   writer->WriteToMemoryOn();
   writer->Write();
   const vtkUnsignedCharArray* bytes = writer->GetResult();

@@ -1,4 +1,4 @@
-// What a window shows, as a PNG file.
+// The content of a window as a PNG file.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@ class vtkRenderWindow;
 
 namespace trevi {
 
-/// RunError when it cannot be written.
+/// RunError if it cannot be written.
 void write_picture(vtkRenderWindow* window, const std::string& path);
 
 }  // namespace trevi

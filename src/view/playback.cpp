@@ -74,7 +74,7 @@ void Playback::choose_by_time() {
   const auto& entries = list_.entries();
   const double last = entries.back().time;
   if (time_ > last) {
-    // The last frame stays as long as the one before it before a loop begins again.
+    // Before a loop starts again, the last frame is shown as long as the previous one.
     const double pause = entries.size() > 1 ? last - entries[entries.size() - 2].time : 0;
     if (loop_ && time_ > last + pause) time_ = entries.front().time;
     if (!loop_) time_ = last;
@@ -85,7 +85,7 @@ void Playback::choose_by_time() {
 }
 
 void Playback::pause(bool paused) {
-  // At the end, to play means to play again.
+  // At the end, playing means playing again.
   if (!paused && index_ + 1 == count()) time_ = list_.entries().front().time;
   paused_ = paused;
 }

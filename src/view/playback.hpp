@@ -1,5 +1,5 @@
 // Plays a directory by its frames' times: at speed 1 a simulated second takes a second, and frames that come too fast
-// for the screen are left out. A directory that grows is followed.
+// for the screen are skipped. A directory that grows is followed.
 #pragma once
 
 #include "view/frame_cache.hpp"
@@ -13,13 +13,13 @@ namespace trevi {
 struct PlaybackOptions {
   double speed = 1;
   bool loop = false, paused = false;
-  std::int64_t budget = 0;  ///< particles of a picture, about
+  std::int64_t budget = 0;  ///< approximate number of particles in a picture
   bool all = false;         ///< draw those that cannot be seen, too
 };
 
 class Playback : public FrameSource {
  public:
-  /// InputError when the first frame cannot be read.
+  /// InputError if the first frame cannot be read.
   Playback(FrameList list, const ViewedScene& scene, const PlaybackOptions& options);
 
   bool advance(double seconds) override;
@@ -37,7 +37,7 @@ class Playback : public FrameSource {
   double rate() const override { return paused_ || at_end() ? 0 : speed_; }
 
   std::size_t count() const { return list_.entries().size(); }
-  /// Shows a frame at once; InputError when it cannot be read.
+  /// Shows a frame at once; InputError if it cannot be read.
   void show(std::size_t index);
 
  private:
@@ -50,8 +50,8 @@ class Playback : public FrameSource {
   double speed_;
   bool loop_, paused_;
   std::size_t index_ = 0;  ///< of the frame that is to be shown
-  std::size_t shown_ = 0;  ///< of the frame that is
-  double time_ = 0;        ///< the playing head, s
+  std::size_t shown_ = 0;  ///< of the frame that is shown
+  double time_ = 0;        ///< current time of playing, s
   double since_look_ = 0;  ///< s since the list was read
   std::shared_ptr<const ViewedFrame> frame_;
   std::string message_;

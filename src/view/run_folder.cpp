@@ -16,19 +16,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// run.json; null when there is none, or none that is whole.
+/// run.json; null if there is none, or only an incomplete one.
 nlohmann::json report_of(const std::string& directory) {
   const std::string path = directory + "/run.json";
   return fs::exists(path) ? nlohmann::json::parse(read_text(path), nullptr, false) : nlohmann::json();
 }
 
-/// The scene file that run.json names, by which paths of music are resolved; empty when there is none.
+/// The scene file that run.json names, by which paths of music are resolved; empty if there is none.
 std::string scene_path_of(const std::string& directory) {
   const auto json = report_of(directory);
   return json.is_object() ? json.value("scene", "") : "";
 }
 
-/// What run.json tells of the box; false when it does not.
+/// What run.json contains about the box; false if it contains nothing.
 bool describe_by_report(const std::string& directory, ViewedScene& viewed) {
   try {
     const auto json = report_of(directory);

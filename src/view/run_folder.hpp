@@ -1,6 +1,6 @@
-// What a run's directory tells beside its frames: the box, the music, and what the fountains did at each step.
-// The scene comes from a file that is named, or else from the newest checkpoint, or from the scene that run.json names;
-// without any of them the box is that of run.json, or, which is told, that of the first frame's particles. Rank-local.
+// What a run's directory contains besides its frames: the box, the music, and what the fountains did at each step. The
+// scene comes from a given file, otherwise from the newest checkpoint, or from the scene that run.json names; without
+// any of them the box is that of run.json, or, which is reported, that of the first frame's particles. Rank-local.
 #pragma once
 
 #include <map>
@@ -14,11 +14,11 @@
 
 namespace trevi {
 
-/// The scene of a directory, paths of its music resolved as well as they can be; nothing when none is found. InputError
-/// for a named `scene_file` that cannot be used.
+/// The scene of a directory, with paths of its music resolved as far as possible; nothing if none is found. InputError
+/// for a given `scene_file` that cannot be used.
 std::optional<Scene> find_scene(const std::string& directory, const std::string& scene_file);
 
-/// Box and spacing from the scene, or guessed from the particles of the first frame.
+/// Box and spacing from the scene, or estimated from the particles of the first frame.
 ViewedScene describe_run(const FrameList& list, const std::optional<Scene>& scene);
 
 /// Notes and speeds of the fountains from DIR/series.csv, which may still grow, and may be missing.

@@ -9,7 +9,7 @@ namespace trevi {
 namespace {
 
 std::string fountain_text(const std::vector<FountainState>& fountains) {
-  for (const FountainState& fountain : fountains) {  // the first that is on speaks for all
+  for (const FountainState& fountain : fountains) {  // the first that is on represents all
     if (!(fountain.speed > 0)) continue;
     const std::string note = std::isnan(fountain.note) ? "" : note_name(fountain.note) + " ";
     return fmt::format("  fountain {}{:.1f} m/s", note, fountain.speed);

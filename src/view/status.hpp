@@ -16,7 +16,7 @@ std::string note_name(double number);
 /// "1,234,567": with commas between thousands.
 std::string with_commas(std::int64_t number);
 
-/// The keys and what they do, a line each.
+/// The keys and what they do, one per line.
 std::string key_help(bool live);
 
 }  // namespace trevi

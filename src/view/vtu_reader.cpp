@@ -1,4 +1,4 @@
-// VTU frames: the .pvtu names one piece a rank, each read by VTK. Surfaces of obstacles, .vtp, likewise.
+// VTU frames: the .pvtu names one piece per rank, each read by VTK. Likewise surfaces of obstacles, .vtp.
 #include <fmt/format.h>
 #include <vtkCommand.h>
 #include <vtkDataArray.h>
@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
   throw InputError(path + ": damaged or cut short (" + why + "); use another copy, or delete its line in the list");
 }
 
-/// The number behind each `name="` of a text must be a count of things of which a file of this size can hold so many.
+/// The number after each `name="` in a text must be a count of things that a file of this size can hold.
 void check_counts(const std::string& path, std::string_view text, std::string_view name, double size) {
   constexpr double min_bytes = 4, max_compression = 1100;  // of a point or a cell; of zlib
   for (std::size_t at = 0; (at = text.find(name, at)) != std::string_view::npos;) {
@@ -47,7 +47,7 @@ void check_counts(const std::string& path, std::string_view text, std::string_vi
   }
 }
 
-// VTK takes what a piece claims without a look at the file's size, and a count below 0 for a size.
+// VTK trusts the counts in a piece without checking the file's size, and takes a count below 0 for a size.
 void check_claims(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const auto size = static_cast<double>(fs::file_size(path));
@@ -57,7 +57,7 @@ void check_claims(const std::string& path) {
   }
 }
 
-/// By vtkXMLUnstructuredGridReader or vtkXMLPolyDataReader.
+/// Read by vtkXMLUnstructuredGridReader or vtkXMLPolyDataReader.
 template <class Reader>
 auto read_piece(const std::string& path) {
   if (!fs::exists(path)) throw InputError(path + ": is listed but not there; copy the directory whole");
@@ -74,7 +74,7 @@ auto read_piece(const std::string& path) {
   return vtkSmartPointer(reader->GetOutput());
 }
 
-/// Tuples of a field, appended; none when the piece has none, or one of another width.
+/// Appends the tuples of a field; none if the piece has none, or one of another width.
 template <class T, std::size_t Width>
 void append(std::vector<std::array<T, Width>>& to, vtkDataArray* field) {
   if (field == nullptr || field->GetNumberOfComponents() != static_cast<int>(Width)) return;

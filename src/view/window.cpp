@@ -31,7 +31,7 @@ double seconds_between(WallClock::time_point from, WallClock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// VTK's own keys (wireframe, picking, stereo, ...) would get in the way of ours.
+/// VTK's own keys (wireframe, picking, stereo, ...) would interfere with ours.
 class TrackballStyle : public vtkInteractorStyleTrackballCamera {
  public:
   static TrackballStyle* New() { return new TrackballStyle; }
@@ -63,7 +63,7 @@ Window::Window(FrameSource& source, const ViewOptions& options)
     : source_(source), options_(options), painter_((require_screen(), renderer_)) {
   const bool attended = options.screenshot.empty() && options.frames.empty() && !options.benchmark;
   window_->SetOffScreenRendering(attended ? 0 : 1);
-  window_->SetMultiSamples(0);  // several times the work in software, for little
+  window_->SetMultiSamples(0);  // several times the work in software, for little benefit
   window_->SetSize(options.width, options.height);
   window_->AddRenderer(renderer_);
   set_up_text(status_, 0.006, 0.01, 15);
@@ -144,7 +144,7 @@ void Window::render() {
   renderer_->ResetCameraClippingRange();
   painter_.size_points();
   window_->Render();
-  update_title();  // afterwards, so that what it says can be seen
+  update_title();  // afterwards, so that its content can be seen
 }
 
 void Window::measure() {

@@ -1,5 +1,5 @@
-// The window: moves a source on with a timer, paints what is new, acts on keys. Draws only when something has
-// changed, so a paused picture takes no processor.
+// The window: advances a source with a timer, paints what is new, responds to keys. Draws only when something has
+// changed, so a paused picture takes no processor time.
 #pragma once
 
 #include <vtkNew.h>
@@ -17,28 +17,28 @@ class vtkTextActor;
 
 namespace trevi {
 
-/// InputError when there is no screen to draw on; VTK would end the program.
+/// InputError if there is no screen to draw on; VTK would end the program.
 void require_screen();
 
 class Window {
  public:
-  /// InputError when there is no screen to open a window on.
+  /// InputError if there is no screen to open a window on.
   Window(FrameSource& source, const ViewOptions& options);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Until the user closes it.
+  /// Runs until the user closes the window.
   void run(MusicPlayer& music);
 
-  /// The current frame, painted and written as PNG. RunError when the file cannot be written.
+  /// Paints the current frame and writes it as PNG. RunError if the file cannot be written.
   void save(const std::string& path);
-  /// Turns the camera once around every few seconds; returns pictures a second.
+  /// Turns the camera once around every few seconds; returns pictures per second.
   double benchmark(double seconds);
 
   void press(const std::string& key);
   void tick();
-  /// Takes the source's frame and state into the picture.
+  /// Takes the frame and state of the source into the picture.
   void paint();
   void render();
 

@@ -26,7 +26,7 @@ bool all_blocks(const Scene& scene) {
 
 int line_of(const Scene& scene, const char* list, std::size_t k) { return SceneTable(list, k).line_in(scene); }
 
-// Whether water of a block stands at both ends of the box along an axis, and not solids, as behind a vessel.
+// Whether water of a block is at both ends of the box along an axis, without solids there, as behind a vessel.
 bool touches_both_walls(const Scene& scene, const ParticleSource& block, int axis) {
   constexpr int samples = 8;  // in each direction
   const FreePlaces places(scene);
@@ -44,7 +44,7 @@ bool touches_both_walls(const Scene& scene, const ParticleSource& block, int axi
   return true;
 }
 
-// A block from wall to wall whose lattice ends past the wall or well before it: such water moves at once.
+// A block from wall to wall whose lattice ends past the wall or well before it: such water moves immediately.
 void look_at_block(const Scene& scene, std::size_t k, Advice& advice) {
   const ParticleSource& block = scene.particles[k];
   const Real s = scene.fluid.spacing;
@@ -74,7 +74,7 @@ void look_at_overlaps(const Scene& scene, Advice& advice) {
   }
 }
 
-// Of cells as wide as the kernel radius the diagonal is 1.7 times as long.
+// The diagonal of cells as wide as the kernel radius is 1.7 times as long.
 void look_at_walls(const Scene& scene, const char* list, std::size_t k, const ObstacleSettings& obstacle,
                    Advice& advice) {
   const Real least = std::sqrt(3.0) * scene.fluid.kernel_radius;
@@ -86,7 +86,7 @@ void look_at_walls(const Scene& scene, const char* list, std::size_t k, const Ob
                   line_of(scene, list, k), obstacle.wall, 2 * scene.fluid.kernel_radius));
 }
 
-// A box two cells wide or more, and thinner than three quarters of a cell, beside which water was found not to rest.
+// A box at least two cells wide, and thinner than three quarters of a cell, beside which water was found not to rest.
 void look_at_sheet(const Scene& scene, const char* list, std::size_t k, const ObstacleSettings& obstacle,
                    Advice& advice) {
   if (obstacle.shape != ShapeKind::box || obstacle.inside) return;
@@ -102,7 +102,7 @@ void look_at_sheet(const Scene& scene, const char* list, std::size_t k, const Ob
                   line_of(scene, list, k), size[0], h));
 }
 
-// A mesh in millimetres that nobody scaled, for instance.
+// A mesh in millimetres that nobody has scaled, for instance.
 void look_at_obstacle(const Scene& scene, std::size_t k, Advice& advice) {
   const ObstacleSettings& obstacle = scene.obstacles[k];
   if (obstacle.inside || obstacle.moves()) return;
@@ -203,7 +203,7 @@ Real open_volume(const Scene& scene) {
 }
 
 std::vector<std::string> volume_warnings(const Scene& scene, double particles) {
-  constexpr Real rounding = 0.02;  // of the samples, and of lattices that just fit
+  constexpr Real rounding = 0.02;  // of the samples, and of lattices that only just fit
   const Real s = scene.fluid.spacing, water = particles * s * s * s, open = open_volume(scene);
   if (water <= (1 + rounding) * open) return {};
   return {fmt::format(
@@ -251,7 +251,7 @@ std::vector<std::string> scene_advice(const Scene& scene) {
   }
   if (output.gauges && scene.gauges.empty())
     advice.emplace_back("[output.gauges]: there is no [[gauge]], so it writes nothing; add one, or leave it out");
-  constexpr Real longest_cfl = 2;  // to which the default method was found stable
+  constexpr Real longest_cfl = 2;  // up to which the default method was found stable
   if (scene.cfl == 0 && scene.dt > longest_step(scene, longest_cfl)) {
     advice.push_back(
         fmt::format("dt = {:.3g} s is long for water of up to {:.3g} m/s, and time.cfl = 0 never splits a step; give "
@@ -259,14 +259,14 @@ std::vector<std::string> scene_advice(const Scene& scene) {
                     "less, or time.cfl = 2",
                     scene.dt, expected_speed(scene), longest_step(scene, longest_cfl)));
   }
-  if (!all_blocks(scene)) return advice;  // where the water of a file is, only the file knows
+  if (!all_blocks(scene)) return advice;  // the position of water from a file is known only to the file
   Real top = scene.domain.min.z();
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
     look_at_block(scene, k, advice);
     top = std::max(top, scene.particles[k].max.z());
   }
   look_at_overlaps(scene, advice);
-  if (!scene.inlets.empty() || has_solids(scene)) return advice;  // where the water goes, nobody knows
+  if (!scene.inlets.empty() || has_solids(scene)) return advice;  // it is not known where the water goes
   for (std::size_t k = 0; k < scene.fountains.size(); ++k) look_at_fountain(scene, k, top, advice);
   return advice;
 }

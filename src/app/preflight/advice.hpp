@@ -1,5 +1,5 @@
-// What a beginner's scene has that is allowed, and hardly ever meant: said at the start of a run and by a dry run. A
-// scene is never refused for it. Not collective.
+// Properties of a scene that are allowed but hardly ever intended, as in a beginner's scene: reported at the start of a
+// run and by a dry run. A scene is never refused for them. Not collective.
 #pragma once
 
 #include <string>
@@ -9,22 +9,22 @@
 
 namespace trevi {
 
-/// The fastest a particle may get: pumped, thrown, or fallen from the top of the water, m/s.
+/// The highest speed that a particle may reach: pumped, thrown, or fallen from the top of the water, m/s.
 Real expected_speed(const Scene& scene);
 
-/// The longest step at that speed, s.
+/// The longest time step at that speed, s.
 Real longest_step(const Scene& scene, Real cfl);
 
-/// A sentence with the remedy for each.
+/// One sentence with the remedy for each.
 std::vector<std::string> scene_advice(const Scene& scene);
 
 /// The bounds of an obstacle's surface at the start, m.
 Box place_of(const ObstacleSettings& obstacle);
 
-/// What the box holds beside its obstacles at the start, m³; with obstacles by samples, to a per cent.
+/// The volume of the box without its obstacles at the start, m³; with obstacles it is sampled, to one per cent.
 Real open_volume(const Scene& scene);
 
-/// More water than space: one sentence, or none.
+/// If there is more water than space: one sentence; otherwise none.
 std::vector<std::string> volume_warnings(const Scene& scene, double particles);
 
 }  // namespace trevi

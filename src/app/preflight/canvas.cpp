@@ -51,7 +51,7 @@ void Canvas::draw(const TriangleMesh& mesh, const Colour3& colour, Layer& layer)
   }
 }
 
-// By barycentric coordinates of the middles of pixels.
+// By barycentric coordinates of the centres of pixels.
 void Canvas::fill(const std::array<Vec3, 3>& corners, const Colour3& colour, Layer& layer) const {
   const auto& [a, b, c] = corners;
   const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);

@@ -1,5 +1,5 @@
-// A picture of triangles without a graphics library: an orthographic view of a box from its front, right and above, a
-// depth for each pixel, and light by the angle to the viewer. For a look at a scene, not for publications. Not
+// A picture of triangles without a graphics library: an orthographic view of a box from its front, right and above,
+// with a depth for each pixel and shading by the angle to the viewer. For a look at a scene, not for publications. Not
 // collective.
 #pragma once
 
@@ -16,13 +16,13 @@ using Colour3 = std::array<float, 3>;  ///< red, green, blue from 0 to 1
 
 class Canvas {
  public:
-  /// The whole box is seen.
+  /// The whole box is visible.
   Canvas(const Box& box, int width, int height);
 
-  /// Those that look at the viewer; what is behind something drawn before is hidden.
+  /// Draws the triangles that face the viewer; what is behind something drawn before is hidden.
   void draw(const TriangleMesh& mesh, const Colour3& colour);
   void draw_line(const Vec3& from, const Vec3& to, const Colour3& colour);
-  /// The nearest of these triangles is laid over what has been drawn so far, `opacity` from 0 to 1.
+  /// Lays the nearest of these triangles over what has been drawn so far, with `opacity` from 0 to 1.
   void draw_glass(const TriangleMesh& mesh, const Colour3& colour, float opacity);
 
   /// The bytes of a PNG file.
@@ -40,7 +40,7 @@ class Canvas {
 
   int width_, height_;
   Vec3 right_, up_, towards_, middle_;
-  Real scale_ = 1;  // pixels a metre
+  Real scale_ = 1;  // pixels per metre
   Layer front_;
 };
 

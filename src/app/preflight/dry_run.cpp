@@ -28,8 +28,8 @@ namespace trevi {
 
 namespace {
 
-// Bytes that the solver keeps for a particle with a full neighbourhood, what the stages of its step borrow of that
-// (base/scratch.hpp), the search alone of that, and for a ghost, and for a cell of the box.
+// Bytes that the solver keeps for a particle with a full neighbourhood; the part of these that the stages of its step
+// borrow (base/scratch.hpp), and the part of the search alone; and bytes for a ghost, and for a cell of the box.
 struct BytesEach {
   double owned, borrowed, search, ghost, cell;
 };
@@ -37,7 +37,7 @@ struct BytesEach {
 BytesEach bytes_each(const Scene& scene) {
   const bool single = scene.density.precision == Precision::single;
   const double quad = single ? 16 : 32;
-  // Neighbours per particle: those in a ball of radius h without itself, less a twentieth for walls and surfaces.
+  // Neighbours per particle: those in a ball of radius h without itself, minus a twentieth for walls and surfaces.
   const double pairs = 0.95 * (4.19 * std::pow(scene.fluid.kernel_radius / scene.fluid.spacing, 3) - 1);
   const bool filters = scene.vorticity || scene.viscosity || scene.kinematic_viscosity;
   double owned = 3 * 24 + 8 + quad;  // positions, velocity, id; record
@@ -57,12 +57,12 @@ BytesEach bytes_each(const Scene& scene) {
   return {owned + borrowed, borrowed, 3 * quad / 4, ghost, cell};
 }
 
-// Cells of the coarse grid in a plane: its columns reach two cells above the highest water that the scene tells of. The
-// levels of its multigrid have a third of the finest one's cells.
+// Memory for the cells of the coarse grid in a plane: its columns extend two cells above the highest water that the
+// scene specifies. The levels of its multigrid have a third of the cells of the finest one.
 double coarse_bytes(const Scene& scene, const CellGrid& grid) {
   const Vec3 gravity = scene.gravity.value_or(Vec3::Zero());
   if (!scene.density.coarse_grid || !(gravity.isZero() || is_downward(gravity))) return 0;
-  // Moments, fits, noise and its fits; of these columns come four at a time.
+  // Moments, fits, noise and its fits; their columns are allocated in units of four.
   constexpr double sums = (26 + 13 + 12 + 13) * 8, fields = 4 * 8 + 1 + 3 * 8, pressure = 8 * 8 * 4 / 3.0;
   Real top = scene.domain.min.z();
   for (const ParticleSource& source : scene.particles)
@@ -72,7 +72,7 @@ double coarse_bytes(const Scene& scene, const CellGrid& grid) {
   return (grid.rows() + 2.0) * (4 * std::ceil(columns / 4) * sums + (columns + 2.0) * (fields + pressure));
 }
 
-// The most that the inlets add by the end of the run: what recycles is there already.
+// The most that the inlets add by the end of the run: particles of inlets that recycle are already there.
 std::string inlet_text(const Scene& scene) {
   if (scene.inlets.empty()) return "";
   const Real spacing = scene.fluid.spacing;
@@ -99,7 +99,7 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
   for (int r = 0; r < ranks; ++r) {
     const CellWindow own = slabs.window(r, grid.rows());
     const auto first = weights.begin() + own.planes.begin, last = weights.begin() + own.planes.end;
-    // Where a slab is shared: as if its water stood equally high in all rows.
+    // If a slab is divided: as if its water were equally high in all rows.
     const Real share = static_cast<Real>(own.rows.size()) / grid.rows(), planes = own.planes.size();
     const Real owned = std::accumulate(first, last, 0.0) * share;
     const Real beside = (first > weights.begin() ? *(first - 1) : 0) + (last < weights.end() ? *last : 0);
@@ -109,7 +109,7 @@ std::string slab_table(const Scene& scene, const CellGrid& grid, const std::vect
     const double cells = (own.rows.size() + 2.0) * (grid.columns() + 2.0) * (planes + 2);
     const double coarse = coarse_bytes(scene, grid) * (planes + 2) * (own.rows.size() + 2.0) / (grid.rows() + 2.0);
     const double more = std::max(coarse - owned * bytes.borrowed, 0.0);  // the projection has no list yet
-    // With ghosts of the projection's cells there is no room for the search's coordinates among what is given back.
+    // With ghosts of the projection's cells, the memory that is given back has no room for the search's coordinates.
     const double search = ranks > 1 ? owned * bytes.search : 0;
     const double memory = owned * bytes.owned + ghosts * bytes.ghost + cells * bytes.cell + more + search;
     const std::string rows = slabs.parts() == 1 ? "" : fmt::format(", rows {} to {}", own.rows.begin, own.rows.end - 1);
@@ -136,7 +136,7 @@ std::string duration_text(double seconds) {
   return fmt::format("{:.1f} days", seconds / 86400);
 }
 
-// By the speed of a pool at rest; a splash has a similar number of pairs, but its steps may be split. `most` is the
+// From the speed of a pool at rest; a splash has a similar number of pairs, but its steps may be split. `most` is the
 // number of particles of the fullest rank.
 std::string run_time_text(const Scene& scene, double most, const MeasuredSpeed& speed) {
   const double substep = speed.substep * most, steps = static_cast<double>(scene.steps());
@@ -149,7 +149,7 @@ std::string run_time_text(const Scene& scene, double most, const MeasuredSpeed& 
       1e3 * speed.substep * static_cast<double>(speed.substeps) * speed.particles, with_commas(speed.particles));
 }
 
-// Places of blocks without water, and where obstacles are. `particles` are there at the start.
+// Places of blocks without water, and where obstacles are. `particles` exist at the start.
 std::string obstacle_text(const Scene& scene, double particles) {
   std::string text;
   GlobalId places = 0;
@@ -185,7 +185,7 @@ std::string obstacle_text(const Scene& scene, double particles) {
   return text;
 }
 
-// What is cut how often, and what the halos send then; water at rest, with the cuts of neighbour slabs side by side.
+// How often each axis is cut, and what the halos then send; for water at rest, with aligned cuts of adjacent slabs.
 std::string shape_text(const Scene& scene, const CellGrid& grid, double particles, const Slabs& slabs) {
   const RestingWater water = resting_water(scene, grid, particles);
   const Traffic all = halo_traffic(water, all_ranks(water, slabs.slabs(), slabs.parts()));
@@ -235,7 +235,7 @@ std::string output_text(const Scene& scene, const std::string& directory, double
 }  // namespace
 
 void print_dry_run(const Session& session, const Scene& scene, const Launch& launch, const std::string& directory) {
-  make_scene_flow(session.comm(), scene);  // reads the music, so that a bad note is found here
+  make_scene_flow(session.comm(), scene);  // reads the music, so that an invalid note is found here
   const CellGrid grid = cell_grid(scene, scene.domain);
   std::vector<Real> weights;
   const Slabs slabs = initial_slabs(session.comm(), scene, grid, weights);
@@ -259,7 +259,7 @@ void print_dry_run(const Session& session, const Scene& scene, const Launch& lau
   for (std::string& warning : scene_advice(scene)) warnings.push_back(std::move(warning));
   for (std::string& warning : disk_warnings(bytes, directory)) warnings.push_back(std::move(warning));
   for (const std::string& warning : warnings) text += fmt::format("warning     {}\n", warning);
-  std::fputs(text.c_str(), stdout);  // throws nothing on a full disk: who flushes tells
+  std::fputs(text.c_str(), stdout);  // reports no error on a full disk: the final flush does
 }
 
 }  // namespace trevi

@@ -1,6 +1,5 @@
-// What a run would need, told without touching a file: particles, memory, slabs, halo, time step, run time, planned
-// output against the free disk.
-// Collective.
+// Reports what a run would need, without touching a file: particles, memory, slabs, halo, time step, run time, planned
+// output against the free disk space. Collective.
 #pragma once
 
 #include <string>

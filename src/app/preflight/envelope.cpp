@@ -60,7 +60,7 @@ std::vector<std::string> envelope_warnings(const Scene& scene) {
         "use a radius between",
         ratio, narrowest, widest));
   }
-  // In units of the time in which a particle falls by a spacing.
+  // In units of the time in which a particle falls by one spacing.
   const Real shortest = shortest_step * std::sqrt(9.8 / 0.1) * std::sqrt(fluid.spacing / g);
   if (scene.dt < shortest * (1 - rounded)) {
     warnings.push_back(
@@ -91,12 +91,12 @@ std::vector<std::string> start_warnings(const Scene& scene) {
 std::vector<std::string> energy_warnings(const Scene& scene, const EnergyRise& energy) {
   constexpr Real mark = 0.005, mark_of_motion = 0.1;
   std::vector<std::string> warnings;
-  // The pressure before openings in walls does work that nobody counts.
+  // The pressure in front of openings in walls does work that is not accounted for.
   const auto in_wall = [](const auto& one) { return one.is_in_wall(); };
   if (std::any_of(scene.inlets.begin(), scene.inlets.end(), in_wall) ||
       std::any_of(scene.drains.begin(), scene.drains.end(), in_wall))
     return warnings;
-  if (!scene.density.coarse_grid && !scene.inlets.empty()) return warnings;  // nor of that before any other inlet
+  if (!scene.density.coarse_grid && !scene.inlets.empty()) return warnings;  // the same for any other inlet
   const std::string remedy =
       is_gravity(scene) ? fmt::format("; set [viscosity] nu = {:.2g} m²/s, which damps it", quieting_viscosity(scene))
                         : std::string("; use a smaller dt, or time.cfl");

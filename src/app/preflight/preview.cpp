@@ -22,7 +22,7 @@ std::string number(Real value) { return std::isnan(value) ? "nan" : fmt::format(
 
 constexpr const char* first_columns = "time,note_0,speed_0";
 
-// An older preview may be replaced, and nothing else: the file may be a mistyped name, the scene's own for instance.
+// Only an older preview may be replaced: the file may be a mistyped name, for instance that of the scene itself.
 void check_target(const std::string& path) {
   if (!fs::exists(path)) return;
   std::ifstream file(path);

@@ -1,6 +1,5 @@
-// What the fountains of a scene will do, told before a long run: the pumps' own curves, nothing is simulated.
-// A .csv file: time,note_0,speed_0,... with a row for the start and for each step, numbers as in series.csv.
-// Collective.
+// What the fountains of a scene will do, shown before a long run: the curves of the pumps alone, without simulation. A
+// .csv file: time,note_0,speed_0,... with a row for the start and for each step, numbers as in series.csv. Collective.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +15,7 @@ struct PreviewOptions {
   std::int64_t last_step = 0;
 };
 
-/// InputError for a scene without fountains, and for a file that is there and is no preview.
+/// InputError for a scene without fountains, and for an existing file that is not a preview.
 void write_preview(const Session& session, const Scene& scene, const PreviewOptions& options);
 
 }  // namespace trevi

@@ -30,7 +30,8 @@ double field_bytes(const std::vector<std::string>& fields) {
   return bytes;
 }
 
-// At most: how many are near the surface is not known, and water in a box may be a tenth denser than its lattice.
+// An upper bound: how many are near the surface is not known, and water in a box may be a tenth denser than its
+// lattice.
 double selected_particles(const Scene& scene, const FrameSetSettings& set, double particles) {
   double selected = particles;
   if (set.box) {
@@ -40,7 +41,7 @@ double selected_particles(const Scene& scene, const FrameSetSettings& set, doubl
   return selected / static_cast<double>(set.one_in);
 }
 
-// The sample: a basin of so many spacings, full to two thirds. Enough water for all loops, and a second of work.
+// The sample: a basin this many spacings wide, filled to two thirds. Enough water for all loops, and a second of work.
 Scene sample_of(const Scene& scene) {
   constexpr int deep = 24, high = 36, long_layer = 200;
   const int wide = scene.fluid.dimensions == 2 ? long_layer : deep;
@@ -88,7 +89,7 @@ double output_bytes(const Scene& scene, double particles) {
   const OutputSettings& output = scene.output;
   double bytes = 0;
   if (output.vtu) bytes += outputs(output.vtu->schedule, scene) * particles * (24 + field_bytes(output.vtu->fields));
-  // Cells are as large as points there: connectivity, offset, type.
+  // Cells take as much as points there: connectivity, offset, type.
   if (output.vtkhdf)
     bytes += outputs(output.vtkhdf->schedule, scene) * particles * (41 + field_bytes(output.vtkhdf->fields));
   for (const FrameSetSettings& set : output.frames) {
@@ -96,11 +97,11 @@ double output_bytes(const Scene& scene, double particles) {
     bytes += cost.frames * cost.bytes;
   }
   if (output.checkpoint) {
-    // One more than are kept while it is written.
+    // One more than are kept while it is being written.
     const double kept = std::min(outputs(output.checkpoint->schedule, scene), output.checkpoint->keep + 1.0);
     bytes += kept * particles * (scene.colour == Colour::rainbow_x ? 60 : 56);
   }
-  // Of tables: numbers of a row, each of some 20 letters with its comma.
+  // For tables: numbers per row, each about 20 characters with its comma.
   constexpr double letters = 20, of_series = 25, of_solid = 6, of_body = 19, of_velocity = 3;
   if (output.series) {
     const double numbers = of_series + of_solid * static_cast<double>(scene.obstacles.size()) +
@@ -140,7 +141,7 @@ MeasuredSpeed measured_speed(const Scene& scene) {
   options.progress = ProgressMode::none;
   const std::unique_ptr<Solver> solver = build_solver(MPI_COMM_SELF, sample, std::move(options));
   solver->start();
-  solver->step();  // the first one orders everything anew
+  solver->step();  // the first step sorts everything anew
   const Solver::Counters before = solver->counters();
   for (int k = 0; k < 3; ++k) solver->step();
   const Solver::Counters after = solver->counters();

@@ -24,7 +24,7 @@ constexpr Colour3 stone{0.62F, 0.58F, 0.54F}, water{0.25F, 0.55F, 0.95F}, pump{0
 constexpr std::array<Colour3, 3> axes{Colour3{0.85F, 0.1F, 0.1F}, {0.1F, 0.6F, 0.1F}, {0.1F, 0.2F, 0.85F}};
 constexpr std::string_view signature = "\x89PNG";
 
-// Cells of the start lattice, or larger ones where there would be too many: which of them have water.
+// Cells of the initial lattice, or larger ones if there would be too many: which of them contain water.
 class WetCells {
  public:
   WetCells(MPI_Comm comm, const Scene& scene) : box_(scene.domain) {
@@ -131,7 +131,7 @@ void draw_drains(const Scene& scene, Canvas& canvas) {
     if (one.shape == DrainShape::box) canvas.draw_glass(cuboid(one.min, one.max), sink, opacity);
     if (one.shape == DrainShape::cylinder)
       canvas.draw_glass(placed(cylinder(one.radius, one.height), one.center, one.axis), sink, opacity);
-    if (one.shape == DrainShape::plane)  // a plate of which the half that is not drained hides nothing
+    if (one.shape == DrainShape::plane)  // a plate, whose other half, which is not drained, hides nothing
       canvas.draw_glass(placed(cylinder(4 * scene.fluid.spacing, scene.fluid.spacing / 4), one.center, one.axis), sink,
                         opacity);
   }
@@ -162,7 +162,7 @@ void check_size(const Scene& scene) {
                     scene.path, particles, scene.fluid.spacing * std::cbrt(particles / 1e6)));
 }
 
-// The sentence with which a name is refused; empty for one that is fine.
+// The sentence with which a name is refused; empty for a valid one.
 std::string why_no_picture(const std::string& file) {
   namespace fs = std::filesystem;
   if (fs::path(file).extension() != ".png") return file + ": pictures are PNG files; give a name that ends in .png";

@@ -1,5 +1,6 @@
-// A picture of a scene as it begins, before anything is computed: its box, water, obstacles, openings and gauges. Water
-// is glass, so that one sees what stands in it; of a vessel one sees the far walls. Collective.
+// A picture of the initial state of a scene, before anything is computed: its box, water, obstacles, openings and
+// gauges. Water is drawn as glass, so that objects in it are visible; for a vessel the far walls are visible.
+// Collective.
 #pragma once
 
 #include <string>
@@ -9,8 +10,8 @@
 
 namespace trevi {
 
-/// Writes a PNG file. InputError on all ranks alike for a name that is not one of those, for a file that is there and
-/// is no PNG, and for a scene of more particles than a picture is worth.
+/// Writes a PNG file. InputError on all ranks alike for a name that is not that of a PNG file, for an existing file
+/// that is not a PNG, and for a scene with more particles than a picture is worth.
 void write_scene_picture(const Session& session, const Scene& scene, const std::string& file);
 
 }  // namespace trevi

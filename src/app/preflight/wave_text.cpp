@@ -14,12 +14,12 @@ namespace trevi {
 
 namespace {
 
-// The waves of a wavemaker as theory has them; of irregular ones that of the peak. Lengths in m.
+// The waves of a wavemaker according to theory; for irregular ones the wave of the peak. Lengths in m.
 struct Expected {
   Real k = 0, length = 0, celerity = 0, stroke = 0;
 };
 
-// From end to end, m. A second harmonic is small where the first is at its ends, so amplitudes do not add up.
+// From end to end, m. A second harmonic is small when the first is at its ends, so amplitudes do not add up.
 Real stroke_of(WavemakerSettings w) {
   if (w.wave == WaveKind::irregular) return 2 * paddle_reach(w);
   constexpr int samples = 1000;
@@ -41,8 +41,8 @@ Expected expected_of(const WavemakerSettings& w) {
   return {k, two_pi / k, two_pi / k / w.period, stroke_of(w)};
 }
 
-// From where on potential flow has 2 % less of the waves of a piston than Biésel's transfer, which is for small motions
-// (postprocess/results/waves.md, at kd = 1.57).
+// The steepness from which on potential flow gives 2 % lower waves for a piston than Biésel's transfer function, which
+// is for small motions (postprocess/results/waves.md, at kd = 1.57).
 bool is_steep(Real height_over_length) {
   constexpr Real steep = 0.045;
   return height_over_length > steep;

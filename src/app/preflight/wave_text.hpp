@@ -1,5 +1,4 @@
-// What theory says of the waves that a scene's wavemakers make, for a dry run, and warnings, for a run, too. Not
-// collective.
+// Theory of the waves that a scene's wavemakers make, for a dry run, and warnings, also for a run. Not collective.
 #pragma once
 
 #include <string>
@@ -9,10 +8,10 @@
 
 namespace trevi {
 
-/// A line for the waves and one for the paddle of each wavemaker, one for each damping zone; empty without any.
+/// One line for the waves and one for the paddle of each wavemaker, one for each damping zone; empty if there are none.
 std::string wave_text(const Scene& scene);
 
-/// Waves that the spacing does not resolve, are too steep, or have no zone before the far end.
+/// Waves that the spacing does not resolve, that are too steep, or that have no damping zone before the far end.
 std::vector<std::string> wave_warnings(const Scene& scene);
 
 }  // namespace trevi

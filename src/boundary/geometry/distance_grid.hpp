@@ -1,7 +1,8 @@
-// Signed distances of a shape whose exact ones take long, from a grid in its own frame: linear between nodes h/6 apart
-// near the surface, coarser where it is further, a bound where it is far. For what samples space anyway (the coarse
-// grid's cells), never for collisions: a sheet thinner than the nodes' distance is not seen in it. However the shape
-// moves, nothing is made anew. Blocks are made when they are first asked for, from the shape alone. Not collective.
+// Signed distances of a shape whose exact distances are expensive, from a grid in its own frame: linear between nodes
+// h/6 apart near the surface, coarser further away, and a bound far away. For what samples space anyway (the cells of
+// the coarse grid), never for collisions: a sheet thinner than the distance between nodes is not resolved. However the
+// shape moves, nothing is recomputed. Blocks are made when they are first asked for, from the shape alone. Not
+// collective.
 #pragma once
 
 #include "boundary/geometry/lazy_blocks.hpp"
@@ -13,7 +14,7 @@ class DistanceGrid {
  public:
   DistanceGrid(const Shape& shape, Real h);
 
-  /// What it is at most wrong by; where the surface is further than 3 h both together are a bound of the distance.
+  /// `error`: the largest error; where the surface is further away than 3 h, both together bound the distance.
   struct Rough {
     Real distance, error;
   };
@@ -22,7 +23,7 @@ class DistanceGrid {
 
  private:
   struct Block {
-    int intervals = 0;        // in each direction; 0 where it is far
+    int intervals = 0;        // in each direction; 0 if it is far away
     Real far = 0;             // the bound
     std::vector<float> node;  // m
   };

@@ -1,6 +1,6 @@
 // A grid of blocks that are made when they are first asked for, by whichever thread asks: only what the water of this
-// rank comes near to is worked out and takes memory. A block is a pure function of its place, so it does not matter who
-// makes it, nor if two threads do at the same time (the second one's is thrown away). Not collective.
+// rank approaches is computed and takes memory. A block is a pure function of its place, so it does not matter who
+// makes it, nor whether two threads do so at the same time (the second copy is discarded). Not collective.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace trevi {
 
 using BlockPlace = std::array<std::int32_t, 3>;
 
-/// That of a point, in a grid of blocks of that edge, m.
+/// The place of a point in a grid of blocks with this edge, m.
 inline BlockPlace block_place(const Vec3& p, Real edge) {
   return {static_cast<std::int32_t>(std::floor(p.x() / edge)), static_cast<std::int32_t>(std::floor(p.y() / edge)),
           static_cast<std::int32_t>(std::floor(p.z() / edge))};
@@ -24,7 +24,7 @@ inline BlockPlace shifted_place(const BlockPlace& place, std::int32_t by) {
   return {place[0] + by, place[1] + by, place[2] + by};
 }
 inline Vec3 corner_of(const BlockPlace& place, Real edge) { return edge * Vec3(place[0], place[1], place[2]); }
-/// Of a cube, in edges, rounded up.
+/// Half the diagonal of a cube, in units of its edge, rounded up.
 constexpr Real half_diagonal = 0.8661;
 
 template <class Block>
@@ -43,7 +43,7 @@ class LazyBlocks {
   LazyBlocks(const LazyBlocks&) = delete;
   LazyBlocks& operator=(const LazyBlocks&) = delete;
 
-  /// make() gives the block as a unique_ptr.
+  /// make() returns the block as a unique_ptr.
   template <class Make>
   const Block& at(const BlockPlace& place, const Make& make) const {
     std::size_t top = 0, within = 0;
@@ -61,7 +61,7 @@ class LazyBlocks {
 
   std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed) + top_.size() * sizeof(top_[0]); }
 
-  /// Blocks in a brick in each direction; a brick that is not there takes a pointer.
+  /// Blocks per brick in each direction; a brick that has not been made takes one pointer.
   static constexpr std::int32_t edge = 8;
 
  private:

@@ -1,7 +1,7 @@
-// The signed distance of a closed mesh, exact: the nearest triangle by a tree of boxes, the sign by the angle-weighted
-// normal of what is nearest, a face, an edge or a corner (Bærentzen & Aanæs 2005). Thin sheets and sharp edges are what
-// they are in the mesh; a grid of distances would round them. IEEE operations only, ties by the number of the triangle.
-// Not collective.
+// The exact signed distance of a closed mesh: the nearest triangle is found with a tree of boxes, the sign by the
+// angle-weighted normal of the nearest feature, which is a face, an edge or a corner (Bærentzen & Aanæs 2005). Thin
+// sheets and sharp edges are as they are in the mesh; a grid of distances would round them. IEEE operations only; ties
+// are decided by the number of the triangle. Not collective.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace trevi {
 
 class MeshShape : public Shape {
  public:
-  /// `inside`: a vessel; solid is what is outside of the mesh.
+  /// `inside`: a vessel, whose solid is everything outside of the mesh.
   MeshShape(std::shared_ptr<const TriangleMesh> mesh, bool inside);
   Real distance(const Vec3& p) const override;
   Real distance_within(const Vec3& p, Real reach) const override;
@@ -22,8 +22,8 @@ class MeshShape : public Shape {
   TriangleMesh surface(Real) const override { return *mesh_; }
 
  private:
-  // Of a tree in one array: a leaf has triangles [first, first + count) of order_, another node the children `first`
-  // and first + 1.
+  // A node of a tree in one array: a leaf has triangles [first, first + count) of order_, any other node has the
+  // children `first` and first + 1.
   struct Node {
     Box box;
     std::int32_t first = 0, count = 0;

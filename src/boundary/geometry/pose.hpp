@@ -1,5 +1,5 @@
-// Where an obstacle is and how it is turned, as a pure function of time: the same bits on any rank, processor and
-// version of the C library, which sine and cosine of the library would not give. Not collective.
+// The position and orientation of an obstacle as a pure function of time: the same bits on any rank, processor and
+// version of the C library, which the sine and cosine of the library would not give. Not collective.
 #pragma once
 
 #include <memory>
@@ -18,30 +18,30 @@ struct Pose {
   Rotation turn = Rotation::Identity();
   Vec3 into_body(const Vec3& world) const {
     const Vec3 away = world - center;
-    return turn.transpose().lazyProduct(away);  // without a call
+    return turn.transpose().lazyProduct(away);  // without a function call
   }
   Vec3 into_world(const Vec3& body) const { return center + turn * body; }
 };
 
-/// In the middle between two, turned half as far as from one to the other, the short way; the pose itself where they
+/// The pose midway between two, rotated half as far as from one to the other, the short way; the pose itself if they
 /// are the same.
 Pose midway_between(const Pose& from, const Pose& to);
 
 struct SineCosine {
   Real sine, cosine;
 };
-/// To 1e-15; exact for multiples of a quarter. 1 is a whole turn.
+/// Accurate to 1e-15; exact for multiples of a quarter turn. The unit is one whole turn.
 SineCosine sine_cosine_of_turns(Real turns);
 
-/// By an angle, in whole turns, about a unit vector (Rodrigues).
+/// Rotation by an angle, in whole turns, about a unit vector (Rodrigues).
 Rotation turn_about(const Vec3& axis, Real turns);
 
 class BodyMotion {
  public:
   explicit BodyMotion(const ObstacleSettings& obstacle);
-  /// `offset`: of a paddle from the stroke of its own waves, m.
+  /// `offset`: for a paddle, from the stroke of its own waves, m.
   Pose at(Real time, Real offset = 0) const;
-  /// The largest speed that a point of the obstacle within `radius` of its centre has in between, m/s.
+  /// The largest speed that any point of the obstacle within `radius` of its centre has between these times, m/s.
   Real fastest(Real begin, Real end, Real radius) const;
 
  private:

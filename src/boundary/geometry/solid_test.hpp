@@ -1,6 +1,6 @@
-// Whether places are in a solid, or near it, where many are asked for and exact distances take long, as those of a mesh
-// do: most places are told by the distance of the middle of their block, which is worked out once. Answers are those of
-// the exact distance. Not collective; any thread may ask.
+// Whether positions are in a solid, or near it, when there are many of them and exact distances are expensive, as they
+// are for a mesh: most positions are decided by the distance of the centre of their block, which is computed once. The
+// results are those of the exact distance. Not collective; any thread may ask.
 #pragma once
 
 #include "boundary/geometry/lazy_blocks.hpp"
@@ -10,7 +10,7 @@ namespace trevi {
 
 class SolidTest {
  public:
-  /// `edge`: of a block, m, at least.
+  /// `edge`: the least edge of a block, m.
   SolidTest(std::unique_ptr<Shape> shape, Real edge);
   /// Whether the distance of p, in the frame of the solid, is below `gap`, m.
   bool is_nearer(const Vec3& p, Real gap) const;
@@ -21,7 +21,7 @@ class SolidTest {
   bool vessel_;
   Box bounds_;
   BlockPlace low_, high_;
-  LazyBlocks<Real> middle_;  // distance of the middle of a block
+  LazyBlocks<Real> middle_;  // distance of the centre of a block
 };
 
 }  // namespace trevi

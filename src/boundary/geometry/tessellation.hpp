@@ -1,5 +1,5 @@
-// Triangles on the surfaces of the analytic shapes, for pictures only: sine and cosine of the C library will do, as no
-// bit of a run depends on them. Not collective.
+// Triangles on the surfaces of the analytic shapes, for pictures only: the sine and cosine of the C library are good
+// enough, because no bit of a run depends on them. Not collective.
 #pragma once
 
 #include <utility>
@@ -10,18 +10,18 @@
 
 namespace trevi {
 
-/// Points (distance from the axis, z), the surface's outer side on the right of the segment from each to the next. A
-/// closed profile ends where it begins.
+/// Points (distance from the axis, z), with the outer side of the surface on the right of the segment from each point
+/// to the next. A closed profile ends where it begins.
 using Profile = std::vector<std::pair<Real, Real>>;
 
-/// A half circle from the lower end of the axis to the upper one, its halves `apart` above and below z = 0.
+/// A half circle from the lower end of the axis to the upper one, with its halves `apart` above and below z = 0.
 Profile arc(Real radius, Real apart, Real size, Real finest);
 /// A circle at the distance `radius` from the axis.
 Profile ring(Real radius, Real tube, Real finest);
-/// The surface that a profile leaves when it turns about z.
+/// The surface that a profile sweeps when it is rotated about z.
 TriangleMesh turned(const Profile& profile, Real finest);
 TriangleMesh cuboid_surface(const Vec3& half);
-/// Of a box without a lid: its hull, and half of the space in it.
+/// The surface of a box without a lid: its outer hull, and half the size of the space in it.
 TriangleMesh basin_surface(const Box& outer, const Vec3& half);
 
 }  // namespace trevi

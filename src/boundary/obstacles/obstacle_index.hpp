@@ -1,7 +1,7 @@
-// Which obstacles a place may have to do with: a grid of cells with a bit for each obstacle whose reach, where it is in
-// the substep, comes within a cell of them. Most places have none and are asked nothing else; of many bodies the few
-// beside a place are found at once. The bits say too much rather than too little, so that whoever goes by them finds
-// what all of the obstacles would have given. Not collective.
+// Which obstacles are relevant at a position: a grid of cells with one bit for each obstacle whose reach, where it is
+// in the substep, comes within a cell of them. Most positions have none and need no further tests; among many bodies
+// the few near a position are found at once. Bits may be set unnecessarily but are never missing, so that the result is
+// the same as if all obstacles had been examined. Not collective.
 #pragma once
 
 #include <array>
@@ -20,20 +20,21 @@ class ObstacleIndex {
 
   ObstacleIndex(const Box& box, Real h, const std::vector<std::unique_ptr<Body>>& bodies);
 
-  /// Bodies that move are where they are now. Outside of loops that threads share.
+  /// To be called when bodies have moved. Outside of loops that threads share.
   void update();
-  /// Another one when the bits are other ones.
+  /// Changes whenever the bits change.
   std::uint64_t version() const { return version_; }
-  /// Of the obstacles that reach p, or that a path from p of at most longest_path() along each axis may come near to.
+  /// Bits of the obstacles that reach p, or that a path from p of at most longest_path() along each axis may approach.
   Bits at(const Vec3& p) const { return cells_[cell_of(p)] | everywhere_; }
   Real longest_path() const { return edge_; }
-  /// Of those that come nearer to a box than that; of all where it counts many cells.
+  /// Bits of those that come closer than that to a box; of all if the box covers many cells.
   Bits in(const Box& box) const;
   static bool is_path_short(const Vec3& from, const Vec3& to, Real longest) {
     return ((to - from).array().abs() <= longest).all();
   }
   Bits all() const { return ~Bits{0}; }
-  /// Whether test(k) holds for one of the obstacles that the bits stand for, and perhaps for others, in their order.
+  /// Whether test(k) holds for one of the obstacles whose bits are set. It may also be called for others; in their
+  /// order.
   template <class Test>
   bool any(Bits bits, const Test& test) const {
     const std::size_t count = bodies_.size();
@@ -65,13 +66,13 @@ class ObstacleIndex {
   static Bits bit_of(std::size_t k) { return Bits{1} << (k % width); }
   std::size_t along(Real x, Eigen::Index a) const {
     const Real cells = (x - low_[a]) * per_edge_, last = last_[a];
-    const Real within = cells > 0 ? (cells < last ? cells : last) : 0;  // also where it is no number
+    const Real within = cells > 0 ? (cells < last ? cells : last) : 0;  // also if it is not a number
     return static_cast<std::size_t>(static_cast<std::int64_t>(within));
   }
   std::size_t cell_of(const Vec3& p) const {
     return (along(p.x(), 0) * count_[1] + along(p.y(), 1)) * count_[2] + along(p.z(), 2);
   }
-  // Where it is marked.
+  // The cells in which it is marked.
   Block block_of(const Body& body) const;
   template <class Visit>
   void for_each_cell(const Block& block, const Visit& visit) const;
@@ -80,8 +81,8 @@ class ObstacleIndex {
   Vec3 low_, last_;  // last_: the number of the last cell along each axis
   Real edge_, per_edge_;
   std::array<std::size_t, 3> count_{};
-  Bits everywhere_ = 0, always_ = 0;    // always_: of those that stand
-  std::vector<Bits> standing_, cells_;  // of those that stand, and of all
+  Bits everywhere_ = 0, always_ = 0;    // always_: of those that do not move
+  std::vector<Bits> standing_, cells_;  // of those that do not move, and of all
   std::vector<std::size_t> moving_;
   struct Marked {
     std::size_t body;

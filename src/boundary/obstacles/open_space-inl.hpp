@@ -64,7 +64,7 @@ HWY_INLINE auto is_in(const Ball& ball, hn::Vec<Wide> off_x, hn::Vec<Wide> off_y
   return hn::Le(hn::Add(in_plane, hn::Mul(off_z, off_z)), hn::Set(Wide(), ball.radius * ball.radius));
 }
 
-// Whether positions are in closed parts. Most of the water is below all of these.
+// Whether positions are in closed parts. Most of the water is below all of them.
 HWY_INLINE auto is_closed(const OpenSpace& open, const WideVec3& p) {
   const Wide d;
   const auto within = [d](hn::Vec<Wide> v, Real low, Real high) {

@@ -1,6 +1,6 @@
-// Where some particles have nothing to do with obstacles: a box around them less what the obstacles beside it may
-// reach, each in a box and in a ball. Says too little rather than too much, so that whoever asks for the rest of the
-// particles one by one finds what asking for all would have found. Not collective, on this thread.
+// Where some particles cannot be affected by obstacles: a box around them, minus what nearby obstacles may reach, each
+// enclosed in the intersection of a box and a ball. It may be too small but never too large, so that examining the
+// other particles one by one gives the same result as examining all of them. Not collective, on this thread.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct Ball {
   Real radius = INFINITY;
 };
 
-/// What is in a box and in a ball.
+/// The intersection of a box and a ball.
 struct ClosedPart {
   Box box;
   Ball ball;
@@ -30,8 +30,8 @@ class OpenSpace {
   OpenSpace() = default;  ///< no place at all
   explicit OpenSpace(const Box& box) : box_(box) {}
 
-  /// Takes away what is in `part`, which must stay where it is as long as this is asked. What is more than a few of
-  /// these are taken together.
+  /// Removes `part`, which must stay in place as long as this object is used. If there are more than a few of them, the
+  /// others are merged into one.
   void close(const ClosedPart& part) {
     const Box& closed = part.box;
     if (!box_.meets(closed)) return;
@@ -45,19 +45,19 @@ class OpenSpace {
       rest_.box = {rest_.box.min.cwiseMin(closed.min), rest_.box.max.cwiseMax(closed.max)};
     }
   }
-  /// Takes away what is outside of a box.
+  /// Removes what is outside of a box.
   void confine(const Box& box) { box_ = {box_.min.cwiseMax(box.min), box_.max.cwiseMin(box.max)}; }
 
-  /// Which obstacles come near to it, as an index of them has it; all where nobody has told.
+  /// Which obstacles come near to it, as bits of an index; all of them if this was not set.
   void set_near(std::uint64_t near) { near_ = near; }
   std::uint64_t near() const { return near_; }
 
-  /// Whether a straight path is in it, by the box around that; false for a NaN.
+  /// Whether a straight path is in it, judged by the box around the path; false for a NaN.
   bool contains(const Vec3& from, const Vec3& to) const {
     return box_.contains(from) && box_.contains(to) && !closes(from, to);
   }
   bool contains(const Vec3& p) const { return box_.contains(p) && !closes(p, p); }
-  /// Whether the box around a path comes into what is taken away.
+  /// Whether the box around a path extends into a removed part.
   bool closes(const Vec3& from, const Vec3& to) const {
     const Vec3 low = from.cwiseMin(to), high = from.cwiseMax(to);
     for (std::size_t k = 0; k < closed_parts(); ++k) {
@@ -70,11 +70,11 @@ class OpenSpace {
     return false;
   }
 
-  /// Of a box and a few parts of it, for loops in vectors.
+  /// A box and a few parts of it, for loops over vectors.
   const Box& box() const { return box_; }
   std::size_t closed_parts() const { return count_ + (has_rest_ ? 1 : 0); }
   const ClosedPart& closed(std::size_t k) const { return k < count_ ? *closed_[k] : rest_; }
-  Real lowest_closed() const { return lowest_; }  ///< height below which none of these is
+  Real lowest_closed() const { return lowest_; }  ///< height below which there is none of them
 
  private:
   Box box_{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
@@ -86,7 +86,7 @@ class OpenSpace {
   std::uint64_t near_ = ~std::uint64_t{0};
 };
 
-/// Around every so many of the positions, from the first on, and the last.
+/// The box around every `each`-th of the positions, from the first on, and the last.
 Box box_around(std::span<const Vec3> p, std::size_t each);
 
 /// The number of a position, and whether it is outside of a space.
@@ -99,17 +99,17 @@ struct OutsideOf {
 /// all. A NaN is not outside.
 std::size_t find_outside(const OpenSpace& open, std::span<const Vec3> p, LocalId* found);
 
-/// Writes which of the positions are outside of a space or of a box, in their order, and of each whether it is outside
+/// Writes which of the positions are outside of a space or of a box, in their order, and for each whether it is outside
 /// of the space; returns how many.
 std::size_t find_outside(const OpenSpace& open, const Box& box, std::span<const Vec3> p, OutsideOf* found);
 
-/// From positions with as many velocities, for a time, s.
+/// Positions with as many velocities, and a time, s.
 struct Straight {
   std::span<const Vec3> p, v;
   Real dt;
 };
-/// Writes where straight paths end, and which of them are not in the open, in their order; returns how many; `found`
-/// has room for all.
+/// Writes the ends of straight paths, and which of them are not in the open space, in their order; returns how many;
+/// `found` has room for all.
 std::size_t go_straight(const OpenSpace& open, const Straight& way, Vec3* end, LocalId* found);
 
 }  // namespace trevi

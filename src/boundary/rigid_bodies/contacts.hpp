@@ -1,9 +1,9 @@
-// Contacts of rigid bodies with each other, with obstacles and with the box: points of a body's surface that may come
-// to the surface of another solid in the substep. They are known before they touch, so that nothing passes through
-// anything, and a body comes to rest on another one without a jump. Impulses with Coulomb's friction by Gauss and
-// Seidel in the order of the contacts (Catto, Iterative dynamics with temporal coherence, 2005), against the inertia
-// that a body has with the water around it. What is round of a body touches where it is nearest, not by points: facets
-// would brake what rolls. The same bits on any rank. Not collective.
+// Contacts of rigid bodies with each other, with obstacles and with the box: points of a body's surface that may reach
+// the surface of another solid in the substep. They are found before the solids touch, so that nothing passes through
+// anything, and a body comes to rest on another one without a jump. Impulses with Coulomb friction are computed by the
+// Gauss-Seidel method in the order of the contacts (Catto, Iterative dynamics with temporal coherence, 2005), for the
+// inertia that a body has together with the surrounding water. Round parts of a body touch at their nearest point, not
+// at sample points: facets would brake a rolling body. The same bits on any rank. Not collective.
 #pragma once
 
 #include <memory>
@@ -20,12 +20,12 @@ class Contacts {
   /// `all`: obstacles, then the bodies.
   Contacts(const Settings& settings, const std::vector<std::unique_ptr<Body>>& all);
 
-  /// Of bodies that begin a substep.
+  /// Finds the contacts of bodies that begin a substep.
   void find(const std::vector<RigidBody>& bodies, Real dt);
-  /// Changes the bodies' twists as far as contacts must, and gives them the impulses.
+  /// Changes the bodies' twists as far as contacts require, and gives them the impulses.
   void solve(std::vector<RigidBody>& bodies);
   bool touches(std::size_t body) const;
-  /// Of obstacles that move by themselves, J since the last call.
+  /// The work of obstacles that move by themselves, J, since the last call.
   Real take_driven_work() { return std::exchange(driven_work_, 0); }
 
  private:
@@ -33,27 +33,27 @@ class Contacts {
     std::size_t body, other;          // of all bodies; nobody: the rest of the world
     std::array<Six, 3> arm, against;  // along the normal and two tangents; of the other body
     std::array<Real, 3> surface;      // velocities of what is not a body, m/s
-    Real least;                       // speed apart along the normal, m/s
+    Real least;                       // separation speed along the normal, m/s
     Real friction;
     std::array<Real, 3> impulse;              // so far, N s
-    std::array<Six, 3> answer, answer_other;  // of the twists to an impulse of 1 N s
+    std::array<Six, 3> answer, answer_other;  // change of the twists by an impulse of 1 N s
     std::array<Real, 3> mobility;             // of the velocity there, 1/kg
   };
   struct Near {
     Real gap;
     Vec3 p, normal, surface;
   };
-  /// What is round of a body: all that is no further than `radius` from the middle of a ball, from the line in a
-  /// capsule or the ring in a torus; of a cylinder its side, about the axis only. Of other shapes nothing.
+  /// The round part of a body: all that is no further than `radius` from the centre of a ball, from the line in a
+  /// capsule or from the ring in a torus; for a cylinder its side, about the axis only. Other shapes have none.
   struct Round {
     ShapeKind kind;
     Real radius = 0;  // m
     Real middle = 0;  // m: half the line, or the radius of the ring
     explicit Round(const ObstacleSettings& solid);
     bool is_side() const { return kind == ShapeKind::cylinder; }
-    /// Next to a point of the surface; both in the frame of the shape.
+    /// The point of that centre, line or ring next to a point of the surface; both in the frame of the shape.
     Vec3 middle_of(const Vec3& p) const;
-    /// Of what is round next to p the point that is nearest to a surface with that normal; p where nothing is.
+    /// The point of the round part next to p that is nearest to a surface with this normal; p if there is no such part.
     Vec3 nearest(const Vec3& p, const Vec3& normal) const;
   };
   static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
@@ -72,7 +72,7 @@ class Contacts {
   static void keep_few(std::vector<Near>& near);
   void find_answers(const std::vector<RigidBody>& bodies);
   static Real velocity_of(const Contact& contact, std::size_t along, const std::vector<Six>& twists);
-  // What is given in a round, N s.
+  // What is given in one round, N s.
   static Real set_impulse(Contact& contact, std::size_t along, Real total, std::vector<Six>& twists);
   static Real push(Contact& contact, std::vector<Six>& twists);
   static std::array<Real, 2> brake(Contact& contact, std::vector<Six>& twists);
@@ -87,7 +87,7 @@ class Contacts {
   std::vector<std::vector<Vec3>> middles_;
   std::vector<std::vector<Vec3>> edges_;  // of each obstacle, in its frame: points of its edges
   std::vector<Round> round_;
-  std::vector<std::array<std::array<bool, 2>, 3>> goes_through_;  // of each body, the walls that are none to it
+  std::vector<std::array<std::array<bool, 2>, 3>> goes_through_;  // of each body, the walls that do not exist for it
   std::vector<bool> is_convex_, is_ball_;                         // of all solids; balls that are bodies
   std::vector<Pose> poses_, ends_;                                // of all solids in the substep
   std::vector<Contact> contacts_;

@@ -1,9 +1,9 @@
-// One rigid body: its mass, its state, and its motion in a substep, which the water is asked for (rigid_bodies.hpp).
-// The state holds momenta, so that what no torque acts on keeps its angular momentum to rounding; the orientation
-// follows by the implicit midpoint rule (Austin, Krishnaprasad & Wang, J. Comput. Phys. 107, 1993), second order. In
-// the air, and in water that falls, the path is the parabola itself, with a mooring that of two half kicks (velocity
-// Verlet); in the water gravity acts as it does on particles, at the start of a substep, as the two would otherwise not
-// balance. Arithmetic alone: the same bits on any rank and processor. Not collective.
+// One rigid body: its mass, its state, and its motion in a substep, which depends on the water (rigid_bodies.hpp). The
+// state holds momenta, so that a body without torque keeps its angular momentum to rounding; the orientation follows by
+// the implicit midpoint rule (Austin, Krishnaprasad & Wang, J. Comput. Phys. 107, 1993), which is second order. In the
+// air, and in falling water, the path is the exact parabola, or with a mooring that of two half kicks (velocity
+// Verlet). In the water gravity acts as it does on particles, at the start of a substep, because the two would
+// otherwise not balance. Elementary arithmetic only: the same bits on any rank and processor. Not collective.
 #pragma once
 
 #include "boundary/geometry/mass_properties.hpp"
@@ -16,7 +16,7 @@ namespace trevi {
 
 class RigidBody {
  public:
-  /// `gravity`, m/s², and the density of the water, kg/m³.
+  /// `gravity`, m/s²; `water`: its density, kg/m³.
   RigidBody(const BodySettings& settings, const Shape& shape, const Vec3& gravity, Real water);
 
   const BodyState& state() const { return state_; }
@@ -25,45 +25,46 @@ class RigidBody {
   Real volume() const { return volume_; }
   Real weight() const { return mass_ * gravity_.norm(); }  ///< N
   const std::array<bool, 6>& free() const { return free_; }
-  /// Where the frame of the shape is; at the start of a substep, and at its end by the present twist.
+  /// Pose of the frame of the shape at the start of a substep, and at its end with the present twist.
   Pose pose() const { return pose_of(state_.position, state_.orientation); }
   Pose end_pose() const { return pose_of(end_position(), end_orientation_); }
-  /// The same without the spin about axes of revolution, which does not change where the surface is.
+  /// The same without the spin about axes of revolution, which does not change the position of the surface.
   Pose end_pose_without_spin() const;
   Vec3 midway_position() const { return state_.position + dt_ / 2 * along_of(twist_); }
   Vec3 end_position() const { return state_.position + dt_ * along_of(twist_); }
-  /// Kinetic, potential and of the mooring, J.
+  /// Kinetic and potential energy, and that of the mooring, J.
   Real energy() const;
-  /// The largest speed of a point within that distance of the centre of the shape, m/s, in a step of dt.
+  /// The largest speed of any point within this distance of the centre of the shape, m/s, in a step of dt.
   Real fastest(Real radius, Real dt) const;
 
-  /// Begins a substep: gravity and mooring act, and the twist is that with the pressure of the last one.
+  /// Begins a substep: gravity and the mooring act, and the twist is that with the pressure of the last substep.
   void begin(Real dt);
   Real dt() const { return dt_; }
   /// Velocities in the substep: of the centre of mass and about it.
   const Six& twist() const { return twist_; }
   void set_twist(const Six& twist);
-  /// Of the body in the middle of the substep.
+  /// Inertia of the body in the middle of the substep.
   const Mass6& inertia() const { return inertia_; }
-  /// With what the water adds to it, as far as it is known.
+  /// The same with the added mass of the water, as far as it is known.
   Mass6 felt_inertia() const { return is_wet_ ? plus(inertia_, added_) : inertia_; }
-  /// Momentum after what acts from outside and after what the body was given in this substep.
+  /// Momentum after external forces and what the body was given in this substep.
   const Six& momentum() const { return momentum_; }
-  /// Impulses that are known, N s and N m s about the centre of mass at the start of the substep.
+  /// Adds known impulses, N s and N m s about the centre of mass at the start of the substep.
   void give(const Six& impulse) { momentum_ = plus(momentum_, impulse); }
-  /// What the twist lacks when the pressure gives that impulse.
+  /// The momentum that the twist lacks when the pressure gives this impulse.
   Six missing(const Six& pressure) const { return plus(plus(momentum_, pressure), times(inertia_, twist_), -1); }
-  /// The pressure's answer to the present twist. What changed since the last one tells of the added mass.
+  /// The response of the pressure to the present twist. Its change since the last one reveals the added mass.
   void hear(const Six& pressure);
-  /// The part of a moment or an angular velocity about axes of revolution of its shape: no pressure has such a moment,
+  /// The part of a moment or an angular velocity about axes of revolution of its shape: pressure has no such moment,
   /// and such a spin leaves the surface where it is.
   Vec3 about_axes_of_revolution(const Vec3& vector) const;
   bool is_moored() const { return mooring_.has_value(); }
-  /// The least mass against which the mooring pulls, kg: that of the body at its centre, less off it, as it turns.
+  /// The least mass against which the mooring pulls, kg: that of the body if it is at its centre, less away from it,
+  /// because the body rotates.
   Real mass_at_mooring() const;
-  /// By anything but gravity and the mooring: nothing, so little that it falls freely, or more.
+  /// The impulse by anything but gravity and the mooring: none, so little that it falls freely, or more.
   enum class Push { none, little, full };
-  /// Ends the substep: momentum() has all that was given.
+  /// Ends the substep: momentum() includes all that was given.
   void finish(Push push);
 
  private:
@@ -93,12 +94,12 @@ class RigidBody {
   Six pull_{};  // of the mooring, at the start of the substep
   Mass6 inertia_{};
   std::array<Real, 4> end_orientation_{1, 0, 0, 0};
-  bool is_wet_ = false;  // there is pressure
-  Mass6 added_{};        // in the world
-  Mass6 first_added_{};  // by the shape, in its frame
+  bool is_wet_ = false;  // whether there is pressure
+  Mass6 added_{};        // in the frame of the world
+  Mass6 first_added_{};  // from the shape, in its frame
   Rotation revolution_;  // projects on the axes of revolution of its shape, in its frame
   int answers_ = 0;
-  Six asked_{}, answer_{};  // the last twist and the pressure that it got
+  Six asked_{}, answer_{};  // the last twist and the pressure in response to it
 };
 
 /// Quaternions w, x, y, z.

@@ -1,5 +1,5 @@
-// Six numbers for the motion of a rigid body: those of a translation along x, y, z, then those of a rotation about x,
-// y, z; and symmetric 6 x 6 matrices of masses. Sums are in a written order: the same bits on any processor.
+// Six numbers for the motion of a rigid body: translation along x, y, z, then rotation about x, y, z; and symmetric 6 x
+// 6 mass matrices. The order of sums is fixed: the same bits on any processor.
 #pragma once
 
 #include <array>
@@ -48,7 +48,7 @@ inline void add_square(Mass6& a, const Six& x, Real factor) {
   }
 }
 
-/// Of the same body in a frame that is turned.
+/// The mass matrix of the same body in a rotated frame.
 inline Mass6 turned(const Mass6& a, const Eigen::Matrix3d& turn) {
   Mass6 half{}, all{};
   for (std::size_t i = 0; i < 6; ++i) {
@@ -68,7 +68,7 @@ inline Mass6 turned(const Mass6& a, const Eigen::Matrix3d& turn) {
   return all;
 }
 
-/// x with a x = b among the free numbers, and 0 for the others, by Cholesky's factors of the positive definite a.
+/// x with a x = b for the free numbers, and 0 for the others, by Cholesky factorization of the positive definite a.
 inline Six solved(const Mass6& a, const Six& b, const std::array<bool, 6>& free) {
   Mass6 l{};
   for (std::size_t i = 0; i < 6; ++i) {

@@ -1,8 +1,7 @@
-// How much of the density kernel's ball, or of its disc in two dimensions, lies behind a plane, as a fraction of its
-// integral: V(d) for a plane at
-// distance d, from 1 at −h over ½ at 0 to 0 at h. Its inverse turns the volume fraction of any solid into the distance
-// of the plane that takes as much: what the solid is to a particle, whose density term is then that of the box's walls.
-// Not collective.
+// The part of the ball of the density kernel, or of its disc in two dimensions, that lies behind a plane, as a fraction
+// of its integral: V(d) for a plane at distance d, from 1 at −h over ½ at 0 to 0 at h. The inverse converts the volume
+// fraction of any solid into the distance of the plane with the same fraction. The solid then contributes to a
+// particle's density as a wall of the box at this distance does. Not collective.
 #pragma once
 
 #include <vector>

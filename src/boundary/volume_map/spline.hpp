@@ -9,19 +9,20 @@
 
 namespace trevi {
 
-/// A value and its slope, by intervals between nodes.
+/// A value and its slope, per interval between nodes.
 struct SplineValue {
   Real value;
   Vec3 slope;
 };
 
-/// The values of 4³ nodes: those along x one after the other, rows and planes of them so far apart.
+/// The values of 4³ nodes: those along x are contiguous; `row` and `plane` are the strides of rows and planes.
 struct SplineNodes {
   const Real* first;
   std::size_t row, plane;
 };
 
-/// At t from the second node to the third along each axis, 0 to 1. Where the value is at least `flat` no slope is told.
+/// At t from the second node to the third along each axis, 0 to 1. No slope is computed if the value is at least
+/// `flat`.
 SplineValue interpolate(const SplineNodes& nodes, const Vec3& t, Real flat = INFINITY);
 
 }  // namespace trevi

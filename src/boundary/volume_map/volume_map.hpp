@@ -1,14 +1,14 @@
-// What a solid is to the density of a particle near it: the distance of the plane that takes the same fraction of the
-// density kernel's ball (volume maps, Bender et al. 2019, by way of plane_volume.hpp). For a plane at any angle that is
-// the distance itself; a wedge, a ball or a thin sheet takes less and so is a plane further away. The fraction is
-// summed over cells of h/8, cut by the surface where they meet it, for the nodes of a grid of h/4; between nodes a
-// cubic without kinks (Catmull & Rom) is used with its exact derivative, so that the solid returns just the energy that
-// it took.
+// The contribution of a solid to the density of a particle near it: the distance of the plane that covers the same
+// fraction of the ball of the density kernel (volume maps, Bender et al. 2019, by way of plane_volume.hpp). For a plane
+// at any angle this is the distance itself; a wedge, a ball or a thin sheet covers less and is therefore a plane
+// further away. The fraction is summed over cells of h/8, which are cut where the surface meets them, for the nodes of
+// a grid of h/4. Between nodes a cubic without kinks (Catmull & Rom) is used with its exact derivative, so that the
+// solid returns exactly the energy that it took.
 //
-// In two dimensions the ball is a disc, across the coordinate along which the solid goes on without end.
+// In two dimensions the ball is a disc, perpendicular to the coordinate along which the solid extends without end.
 //
 // In the frame of the solid, for any number of poses. Blocks of the grid are made when a particle first comes near,
-// from the shape alone: the same bits on any ranks and threads. Not collective.
+// from the shape alone: the same bits on any number of ranks and threads. Not collective.
 #pragma once
 
 #include <cmath>
@@ -21,15 +21,15 @@
 
 namespace trevi {
 
-/// Distance of the plane that is worth the solid, m, its gradient, and whether the surface may be within h.
+/// Distance of the plane that is equivalent to the solid, m, its gradient, and whether the surface may be within h.
 struct EquivalentPlane {
   Real distance;
   Vec3 gradient;
   bool is_near = true;
 };
 
-/// A solid that stays where it is goes on behind the walls of the box, as if they were not there: one that stands on
-/// the floor or is cut by a wall then needs no care.
+/// A solid that does not move continues behind the walls of the box, as if they were not there: one that stands on the
+/// floor or is cut by a wall then needs no special treatment.
 struct Fixed {
   Pose pose;
   Box box;
@@ -41,9 +41,9 @@ class VolumeMap {
 
   /// Whether the surface may be within h of p.
   bool is_near(const Vec3& p) const;
-  /// From the distance `flat` on, m, no gradient is told.
+  /// At distances of at least `flat`, m, no gradient is computed.
   EquivalentPlane at(const Vec3& p, Real flat = INFINITY) const;
-  /// Bytes that the map of a shape takes before anyone has come near to it.
+  /// Memory that the map of a shape takes before any particle has come near it.
   static Real min_bytes(const Box& bounds, Real h);
   std::size_t bytes() const { return cells_.bytes() + nodes_.bytes(); }
 
@@ -55,17 +55,18 @@ class VolumeMap {
   static constexpr int nodes = block + 3;                        // with one before and two after
   static constexpr int window = (nodes - 1) * fine + 2 * reach;  // cells that the nodes of a block see
   enum class Kind { empty, full, cut };
-  // Shares of the cells of a block that are solid.
+  // Fractions of the cells of a block that are solid.
   struct Cells {
     Kind kind = Kind::empty;
     std::vector<float> fraction;
   };
-  // Plane distances at the nodes of a block, m; none where all are as far as can be.
+  // Plane distances at the nodes of a block, m; empty if all have the largest possible distance.
   struct Nodes {
     Kind kind = Kind::empty;
     std::vector<Real> distance;
   };
-  // Cells of a window, those at even and at odd places along x apart, so that those of neighbour nodes are neighbours.
+  // The cells of a window, with those at even and at odd places along x stored separately, so that those of adjacent
+  // nodes are adjacent.
   using Window = std::array<std::vector<Real>, 2>;
   struct Weight {
     std::size_t odd;

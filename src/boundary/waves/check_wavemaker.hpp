@@ -1,4 +1,4 @@
-// What a wavemaker cannot do, told alike to programs and scenes. Not collective.
+// What a wavemaker cannot do, reported alike to programs and scenes. Not collective.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace trevi {
 
-/// A member that is wrong, by its name in scenes, and why, with the remedy.
+/// An invalid member, by its name in scenes, and the reason, with the remedy.
 struct WrongMember {
   const char* key;
   std::string why;
 };
 
-/// The first that is wrong, if any. `domain`: the box of the water.
+/// The first invalid member, if any. `domain`: the box of the water.
 std::optional<WrongMember> what_is_wrong(const WavemakerSettings& wavemaker, const Box& domain);
 
 }  // namespace trevi

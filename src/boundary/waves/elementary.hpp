@@ -1,5 +1,5 @@
-// Exponential, logarithm and hyperbolic functions by additions, multiplications and divisions alone, to 1e-14: the
-// same bits on any processor and with any version of the C library, which those of the library would not give. Not
+// Exponential, logarithm and hyperbolic functions by additions, multiplications and divisions alone, to 1e-14: the same
+// bits on any processor and with any version of the C library, whose own functions do not guarantee this. Not
 // collective.
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace trevi::elementary {
 
-/// e^x; 0 below −700, and no more than e^700.
+/// e^x; 0 below −700, and at most e^700.
 Real exp(Real x);
 /// Natural logarithm of a positive number that is not denormal.
 Real log(Real x);

@@ -1,5 +1,5 @@
-// Where the paddle of a wavemaker is, as a pure function of time with the same bits on any processor: what a restart
-// and any number of ranks see alike. Not collective.
+// The position of the paddle of a wavemaker, as a pure function of time with the same bits on any processor: it is the
+// same after a restart and on any number of ranks. Not collective.
 #pragma once
 
 #include <vector>
@@ -14,28 +14,29 @@ class PaddleMotion {
  public:
   explicit PaddleMotion(const WavemakerSettings& wavemaker);
 
-  /// How far the paddle is from where it rests, at the surface of the still water along its direction, m.
+  /// Displacement of the paddle from its position at rest, at the surface of the still water along its direction, m.
   Real displacement(Real time) const;
-  /// Where a body that is at `rest` without waves is by such a displacement: shifted by a piston, turned about its
-  /// hinge by a flap.
+  /// The pose of a body that is at `rest` without waves, for such a displacement: shifted by a piston, rotated about
+  /// its hinge by a flap.
   Pose pose(const Pose& rest, Real displacement) const;
   Pose at(const Pose& rest, Real time, Real offset) const { return pose(rest, displacement(time) + offset); }
-  /// What the waves of linear theory that it makes have at the paddle, m above the still water: each is in phase with
-  /// the speed of the paddle. The near field, a tenth of that in quadrature, is left out. Not for a solitary wave.
+  /// The level at the paddle of the waves that it makes according to linear theory, m above the still water: each is in
+  /// phase with the speed of the paddle. The near field, a tenth of that in quadrature, is left out. Not for a solitary
+  /// wave.
   Real level(Real time) const;
 
  private:
   Real solitary(Real time) const;
 
   WavemakerSettings wavemaker_;
-  std::vector<PaddleComponent> components_;  // of other waves than a solitary one
+  std::vector<PaddleComponent> components_;  // of waves other than a solitary one
   std::vector<Real> levels_;                 // m, of the wave of each component
 };
 
-/// A place of the line about which a flap turns.
+/// A point on the axis about which a flap rotates.
 Vec3 hinge_of(const WavemakerSettings& flap);
 
-/// The farthest that a paddle goes to either side of its rest, m; irregular waves by four standard deviations.
+/// The largest distance of a paddle from its rest to either side, m; for irregular waves four standard deviations.
 Real paddle_reach(const WavemakerSettings& wavemaker);
 
 }  // namespace trevi

@@ -33,10 +33,11 @@ struct DensityModel {
   Kernels kernels = kernels_of(FluidSettings{});
 };
 
-/// The water that a particle stands for, kg: rest_density · spacing³. All that is reported goes by it.
+/// Mass of the water that a particle represents, kg: rest_density · spacing³. Everything that is reported is based on
+/// it.
 Real water_mass(const FluidSettings& fluid);
-/// The weight of a particle in kernel sums, kg: with mass "volume" the water's own; "calibrated" such that the lattice
-/// interior is at rest density. In two dimensions kg/m, of a layer one metre thick.
+/// The weight of a particle in kernel sums, kg: with mass "volume" that of its water; with "calibrated" such that the
+/// interior of the lattice is at rest density. In two dimensions kg/m, for a layer one metre thick.
 Real particle_mass(const FluidSettings& fluid);
 
 /// Physical constants, with epsilon and artificial pressure scaled to the spacing: settings give their values at a
@@ -45,8 +46,8 @@ Real particle_mass(const FluidSettings& fluid);
 DensityModel density_model(const Settings& settings);
 std::optional<Tensile> tensile_of(const Settings& settings);
 
-/// Compression that sums of that precision do not tell from none: water at rest on its lattice has a third of it by
-/// rounding. An inequality takes less for none, so that nothing is swept there.
+/// Compression that sums of this precision cannot distinguish from zero: water at rest on its lattice has a third of it
+/// by rounding. An inequality treats anything smaller as zero, so that nothing is swept there.
 template <class T>
 inline constexpr Real no_compression = 32 * std::numeric_limits<T>::epsilon();
 
@@ -57,7 +58,7 @@ Real lambda(const DensityModel& model, Real least, Real rho, const Vec3& gradien
 template <class T>
 class DensityConstraint {
  public:
-  /// Without `walls` a particle at a wall misses the neighbours that water behind it would give, as in the paper.
+  /// Without `walls`, a particle at a wall lacks the neighbours that water behind it would provide, as in the paper.
   DensityConstraint(const DensityModel& model, const std::optional<Tensile>& tensile,
                     std::optional<AnalyticWallDensity> walls, std::shared_ptr<Obstacles> obstacles = nullptr);
 
@@ -68,9 +69,9 @@ class DensityConstraint {
   /// Writes rho_i, kg/m³, for the range; p and rho are arrays of all owned particles.
   void densities(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<Real> rho) const;
 
-  /// What lambdas() writes; arrays of all owned particles. use(here, multipliers) is called with lambda_i of a few
-  /// particles at a time, by several threads at once. They cannot go into the records there: other threads load the
-  /// whole of these.
+  /// The output of lambdas(); arrays of all owned particles. use(here, multipliers) is called with lambda_i of a few
+  /// particles at a time, by several threads at once. They cannot be written to the records there, because other
+  /// threads load whole records.
   struct Lambdas {
     std::span<Real> rho;      ///< rho_i, kg/m³
     WallsOrShifts<T>& field;  ///< walls, for deltas()
@@ -79,18 +80,18 @@ class DensityConstraint {
   /// Finds rho_i and lambda_i for the range; p is an array of all owned particles.
   void lambdas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, const Lambdas& out) const;
 
-  /// Writes delta_i in metres for the range, in place of the walls that lambdas() wrote there for the same positions,
-  /// and tells the obstacles' ledger what the walls and they have in it.
+  /// Writes delta_i in metres for the range, in place of the contributions of walls that lambdas() wrote there for the
+  /// same positions, and records in the obstacles' ledger the part of walls and obstacles.
   void deltas(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, WallsOrShifts<T>& field) const {
     sum_deltas(delta_loop_, pairs, range, p, field);
   }
-  /// Writes delta_i in metres for the range, as deltas() without the tensile term: what the multipliers alone do to
-  /// particles with these velocities, m/s, in the substep dt, s. Walls and obstacles stop what comes nearer to them,
-  /// and do no more.
+  /// Writes delta_i in metres for the range, like deltas() without the tensile term: the effect of the multipliers
+  /// alone on particles with these velocities, m/s, in the substep dt, s. Walls and obstacles stop what approaches
+  /// them, and do no more.
   void deltas_in_flight(const Pairs<T>& pairs, Range range, std::span<const Vec3> p, std::span<const Vec3> velocity,
                         Real dt, WallsOrShifts<T>& field) const;
 
-  /// Floating-point operations of a pair in each loop, for the log.
+  /// Floating-point operations per pair in each loop, for the log.
   static constexpr double value_flops = 15, density_flops = 27, delta_flops = 24;
 
  private:

@@ -1,7 +1,7 @@
-// What the pair loops of the density constraint leave for one another: of each particle first the gradient of what
-// walls and obstacles add to its density, then its shift. **One memory holds both**, four numbers a particle: the loop
-// that finds a shift reads the gradient and writes the shift in its place, and whoever asks for one of them must know
-// that it is the one that is there. Not collective; different particles may be written by different threads.
+// What the pair loops of the density constraint pass to one another: for each particle first the gradient of what walls
+// and obstacles contribute to its density, then its shift. **Both use the same memory**, four numbers per particle: the
+// loop that finds a shift reads the gradient and writes the shift in its place, and a caller that asks for one of them
+// must know that it is the one stored. Not collective; different particles may be written by different threads.
 #pragma once
 
 #include <algorithm>
@@ -13,22 +13,22 @@
 
 namespace trevi {
 
-/// What adds to the density of a particle besides others.
+/// Contributions to the density of a particle other than those of particles.
 enum class Wall { none, box, obstacle };
 
 template <class T>
 class WallsOrShifts {
  public:
-  /// Memory for so many particles, which holds nothing yet.
+  /// Memory for this many particles, which holds nothing yet.
   void borrow(Scratch& scratch, std::size_t particles) { memory_ = scratch.borrow<Vec4<T>>(particles); }
   void give_back() { memory_.give_back(); }
   std::size_t size() const { return memory_.size(); }
-  /// Of the particles of a range, to be prefetched.
+  /// The data of the particles of a range, to be prefetched.
   std::span<const Vec4<T>> memory(Range range) const {
     return {memory_.data() + range.begin, static_cast<std::size_t>(range.size())};
   }
 
-  /// No wall near the particles of the range, or no shift of them.
+  /// Sets no wall near the particles of the range, or no shift of them.
   void clear(Range range) { std::fill(memory_.begin() + range.begin, memory_.begin() + range.end, Vec4<T>{}); }
 
   // ---- while it holds gradients
@@ -41,7 +41,7 @@ class WallsOrShifts {
   bool has_wall(std::size_t i) const { return memory_[i].w != 0; }
   Wall wall(std::size_t i) const { return static_cast<Wall>(static_cast<int>(memory_[i].w)); }
   Vec3 gradient(std::size_t i) const { return vector_of(memory_[i]); }
-  /// From here on the shift of the particle, m: factor · sum + multiplier · gradient; 0 without a sign.
+  /// From here on this is the shift of the particle, m: factor · sum + multiplier · gradient; 0 without a sign.
   void make_shift(std::size_t i, const Vec4<T>& sum, T factor, T multiplier) {
     Vec4<T>& out = memory_[i];
     out = {sum.x * factor + multiplier * out.x + T{0}, sum.y * factor + multiplier * out.y + T{0},
@@ -50,7 +50,7 @@ class WallsOrShifts {
 
   // ---- while it holds shifts, m
 
-  /// The fourth numbers are free, for the projection to tell how far the grid acts.
+  /// The fourth numbers are free; the projection stores in them how far the grid acts.
   std::span<Vec4<T>> shifts() { return {memory_.data(), memory_.size()}; }
   Vec3 shift(std::size_t i) const { return vector_of(memory_[i]); }
   void add_to_shift(std::size_t i, const Vec3& more) {

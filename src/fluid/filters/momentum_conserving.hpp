@@ -1,5 +1,6 @@
-// A filter that keeps no momentum, made to: what it adds to the momentum of all water is taken from all particles
-// alike, so that their sum stays to rounding. (Angular momentum is not kept.) Collective.
+// Makes a filter that does not conserve momentum conserve it: what the filter adds to the momentum of all water is
+// subtracted from all particles equally, so that their sum is unchanged to rounding. (Angular momentum is not
+// conserved.) Collective.
 #pragma once
 
 #include "fluid/filters/velocity_filter.hpp"

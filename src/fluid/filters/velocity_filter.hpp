@@ -22,7 +22,7 @@ class VelocityFilter {
 /// be set before an exchange.
 template <class T>
 Borrowed<Vec4<T>> own_velocities(const Neighbourhood<T>& near, const std::vector<Vec3>& velocity);
-/// Those of all particles, ghosts included, whose scalars are not for use. Collective.
+/// The velocities of all particles, ghosts included; the scalars of ghosts must not be used. Collective.
 template <class T>
 Borrowed<Vec4<T>> all_velocities(Neighbourhood<T>& near, const std::vector<Vec3>& velocity) {
   Borrowed<Vec4<T>> velocities = own_velocities(near, velocity);
@@ -36,7 +36,8 @@ Pairs<T> pairs_of(const Neighbourhood<T>& near) {
   return {near.records(), near.list(), near.order().low_ghosts()};
 }
 
-/// What so many passes over all pairs read and write, as log_work() takes it: lists, records, velocities, sums.
+/// Bytes that this many passes over all pairs read and write, as log_work() takes them: lists, records, velocities,
+/// sums.
 template <class T>
 double bytes_of_passes(const Neighbourhood<T>& near, int passes) {
   const double each = sizeof(Packed<T>) + 2 * sizeof(Vec4<T>);

@@ -1,4 +1,4 @@
-// A zone in which the water comes to rest, before a wall from which waves are not to come back ([[damping]]). Not
+// A zone in which the water comes to rest, in front of a wall that is not to reflect waves ([[damping]]). Not
 // collective.
 #pragma once
 
@@ -8,9 +8,9 @@
 
 namespace trevi {
 
-/// dv/dt = −r(s) v in a box, with r(s) = rate · s² where s goes from 0 at the beginning of the zone to 1 at its end
-/// along its direction: v exp(−r dt), exact over a step at a constant place, so that it does not matter how time is
-/// cut. It never adds energy or reverses a velocity.
+/// dv/dt = −r(s) v in a box, with r(s) = rate · s² where s increases from 0 at the beginning of the zone to 1 at its
+/// end along its direction: v exp(−r dt), exact over a step at a constant place, so that it does not depend on how time
+/// is divided. It never adds energy or reverses a velocity.
 class Damping : public Forcing {
  public:
   explicit Damping(const DampingSettings& zone) : event_("Damping"), zone_(zone) {}

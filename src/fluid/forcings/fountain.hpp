@@ -11,15 +11,15 @@
 
 namespace trevi {
 
-/// What sets the speed of a fountain: a constant, or music (src/music).
+/// Determines the speed of a fountain: a constant, or music (src/music).
 class Pump {
  public:
   virtual ~Pump() = default;
-  /// As Forcing::prepare(). Collective.
+  /// Like Forcing::prepare(). Collective.
   virtual void prepare(const StepInfo&) {}
   /// Note and speed at a time; no value while the pump is off.
   virtual std::optional<FountainState> at(Real time) const = 0;
-  /// Highest speed within the times, m/s; no value where the pump is off throughout.
+  /// Highest speed within the times, m/s; no value if the pump is off throughout.
   virtual std::optional<Real> fastest(const TimeSpan& times) const = 0;
 };
 
@@ -33,14 +33,15 @@ class ConstantPump : public Pump {
   Real speed_;
 };
 
-/// A pump that works from its start to before its stop, and sets the velocity of what it reaches. What leaves it within
-/// a substep falls for the rest of it, so that a jet has one path, whatever dt is.
+/// A pump that works from its start to before its stop, and sets the velocity of the particles that it reaches. A
+/// particle that leaves it within a substep falls for the rest of the substep, so that a jet has the same path for any
+/// dt.
 class PumpedForcing : public Forcing {
  public:
   /// `index` distinguishes the random numbers of different pumps; `event` is its name in the log.
   PumpedForcing(const PumpSettings& settings, std::unique_ptr<Pump> pump, std::uint64_t seed, int index,
                 const char* event);
-  /// Without that, nothing falls.
+  /// Without gravity, nothing falls.
   void let_fall(const Vec3& gravity) { gravity_ = gravity; }
   void apply(Particles& particles, const StepInfo& info) override;
   Real holds_for(GlobalId id, const Vec3& p, const StepInfo& info) const override;
@@ -55,7 +56,7 @@ class PumpedForcing : public Forcing {
   Vec3 jet(Real speed, GlobalId id, const StepInfo& info) const;
   const PumpSettings& pump() const { return settings_; }
   virtual bool reaches(const Vec3& p) const = 0;
-  /// The time, s, after which it does so no more for a particle that is there and has that velocity.
+  /// The time, s, after which the pump no longer acts on a particle at this position with this velocity.
   virtual Real leaves_after(const Vec3& p, const Vec3& velocity) const = 0;
 
  private:

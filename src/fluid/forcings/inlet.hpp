@@ -1,7 +1,7 @@
 // Inlets: openings through which water enters (inputs/README.md, Inlets and drains). An inlet makes particles layer by
-// layer, on a square lattice with the fluid's spacing across its opening: a layer whenever the water has gone one
-// spacing. Who makes them, and with which ids, is the matter of InflowOutflow (solver/inflow_outflow.hpp). Collective:
-// prepare() only.
+// layer, on a square lattice with the fluid's spacing across its opening: one layer whenever the water has moved by one
+// spacing. Which rank makes them, and with which ids, is determined by InflowOutflow (solver/inflow_outflow.hpp).
+// Collective: prepare() only.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ class InletLattice {
  public:
   InletLattice(const InletSettings& settings, Real spacing);
 
-  /// Places of the rectangle around an opening, before it is known whether they can be counted.
+  /// Number of places of the rectangle around an opening, before it is known whether they can be counted.
   static Real places_of(const InletSettings& settings, Real spacing);
 
   /// Of the rectangle around the opening.
@@ -39,7 +39,8 @@ class InletLattice {
     Real ahead, row, column;
   };
   Seen seen(const Vec3& p) const;
-  /// The four places around what is seen, those nearer than a spacing among them; −1 for one outside of the rectangle.
+  /// The four places around this point, including all that are nearer than a spacing; −1 for one outside of the
+  /// rectangle.
   std::array<GlobalId, 4> around(const Seen& seen) const;
   /// Whether a position at most one spacing ahead is in front of the opening.
   bool in_nozzle(const Vec3& p) const;
@@ -54,16 +55,16 @@ class InletLattice {
   GlobalId open_ = 0;
 };
 
-/// Of water that enters at so many m³/s, m/s; each particle counts the volume spacing³.
+/// The speed of water that enters at this many m³/s, m/s; each particle counts as the volume spacing³.
 Real speed_of_flow(Real flow, const InletLattice& lattice, Real spacing);
 
 /// Sets the velocity of the particles within one spacing ahead of its opening as a fountain does, so that water in the
-/// way does not hold up the next layer at once: all layers of a jet have the same path, however many of them a substep
-/// makes. Water that has a solid or a wall less than a spacing ahead of it is left alone.
+/// way does not immediately hold up the next layer: all layers of a jet have the same path, however many of them a
+/// substep makes. Water that has a solid or a wall less than a spacing ahead of it is left alone.
 class Inlet : public PumpedForcing {
  public:
   Inlet(const InletSettings& settings, std::unique_ptr<Pump> pump, Real spacing, std::uint64_t seed, int index);
-  /// `covers`: whether something solid is between two places, or at one of them.
+  /// `covers`: whether something solid is between two positions, or at one of them.
   void place_in(const Vec3& gravity, std::function<bool(const Vec3&, const Vec3&)> covers) {
     let_fall(gravity);
     covers_ = std::move(covers);
@@ -71,9 +72,9 @@ class Inlet : public PumpedForcing {
 
   const InletLattice& lattice() const { return lattice_; }
   bool recycles() const { return recycles_; }
-  /// How far the water comes in the substep, m.
+  /// How far the water advances in the substep, m.
   Real path_length(const StepInfo& info) const;
-  /// The speed without jitter while it comes, m/s; 0 where the pump is off.
+  /// The speed without jitter while it flows, m/s; 0 if the pump is off.
   Real speed(const StepInfo& info) const;
   Vec3 velocity(Real speed, GlobalId id, const StepInfo& info) const { return jet(speed, id, info); }
 
@@ -89,9 +90,9 @@ class Inlet : public PumpedForcing {
   Vec3 direction_;
 };
 
-/// Whether a drain removes what is there.
+/// Whether a drain removes what is at a position.
 bool drains(const DrainSettings& drain, const Vec3& p);
-/// What holds all of a drain; of a plane everything.
+/// A box that contains the whole drain; for a plane, all of space.
 Box bounds_of(const DrainSettings& drain);
 
 }  // namespace trevi

@@ -1,4 +1,4 @@
-// What kind of music a source is, by its ending. Not collective.
+// The kind of music of a source, by its file name extension. Not collective.
 #pragma once
 
 #include <optional>
@@ -8,13 +8,13 @@
 
 namespace trevi {
 
-/// Nothing when the ending is unknown; "-" is live sound.
+/// Nothing if the extension is unknown; "-" is live sound.
 std::optional<MusicKind> kind_of_music(std::string source);
 
 /// ".txt .mid ...", for messages.
 std::string endings_of_music();
 
-/// Sets the defaults that follow from the source; a kind that is unknown stays without a value.
+/// Sets the defaults that follow from the source; an unknown kind is left without a value.
 void resolve(MusicSettings& music);
 
 }  // namespace trevi

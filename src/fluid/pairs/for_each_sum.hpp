@@ -1,5 +1,5 @@
-// Uses the sums of a pair loop while they are in the first-level cache: the range is worked on in chunks, several to a
-// part that one thread does.
+// Uses the sums of a pair loop while they are in the first-level cache: the range is processed in chunks, several of
+// them in each part that one thread does.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace trevi {
 
-/// Particles whose sums are used at a time.
+/// Number of particles whose sums are used at a time.
 inline constexpr LocalId sums_chunk = 128;
 
 /// loop(here, sums of each type...) fills the sums of a few particles, and use(here, sums...) is then called for them:

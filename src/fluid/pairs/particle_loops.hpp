@@ -1,6 +1,6 @@
-// The vectorised loops over particles that stand between the pair loops: from sums to multipliers, from shifts to
-// positions and records. Each particle is worked on by itself, in the same operations on every processor. Lengths in
-// metres. Not collective, on this thread.
+// The vectorised loops over particles between the pair loops: from sums to multipliers, from shifts to positions and
+// records. Each particle is processed separately, with the same operations on every processor. Lengths in metres. Not
+// collective, on this thread.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@
 
 namespace trevi {
 
-/// lambda = −C / (slope2 (|Σ g r̂|² + Σ g²) + epsilon) with C = alone (1 + Σ w) − 1, and 0 where C is not above `least`;
-/// rho = rest_density alone (1 + Σ w). `alone` is what a particle without neighbours has of the rest density, slope2
-/// the square of the gradient factor, 1/m².
+/// lambda = −C / (slope2 (|Σ g r̂|² + Σ g²) + epsilon) with C = alone (1 + Σ w) − 1, and 0 where C is not above
+/// `least`; rho = rest_density alone (1 + Σ w). `alone` is the density of a particle without neighbours over the rest
+/// density, slope2 the square of the gradient factor, 1/m².
 struct MultiplierLaw {
   Real rest_density, alone, slope2, epsilon, least;
 };
@@ -33,7 +33,7 @@ void find_multipliers(const MultiplierLaw& law, const DensitySums<float>& in, Re
 template <>
 void find_multipliers(const MultiplierLaw& law, const DensitySums<double>& in, Real* rho, double* lambda);
 
-/// p += factor · delta where nothing is in the way, and the records of it, with a scalar of zero.
+/// p += factor · delta where nothing is in the way, and the records for the new p, with a scalar of zero.
 template <class T>
 struct Shift {
   const OpenSpace& open;
@@ -46,8 +46,8 @@ struct Moved {
   std::span<Vec3> p;
   Packed<T>* records;
 };
-/// Those whose path leaves the open, and a few beside them, stay as they are: writes which, in their order, and returns
-/// how many; `left` has room for all.
+/// Particles whose path leaves the open space, and a few beside them, are not moved: writes which, in their order, and
+/// returns how many; `left` has room for all.
 template <class T>
 std::size_t move_particles(const Shift<T>& shift, const Vec4<T>* delta, const Moved<T>& moved, LocalId* left);
 template <>
@@ -57,8 +57,8 @@ template <>
 std::size_t move_particles(const Shift<double>& shift, const Vec4<double>* delta, const Moved<double>& moved,
                            LocalId* left);
 
-/// Whether two of the positions may be nearer to each other than a distance, m, squared: never false where two are. Of
-/// more positions than are tested at once it says so.
+/// Whether two of the positions may be closer to each other than a distance whose square, m², is given: never false if
+/// two are. It is true if there are more positions than are tested at once.
 bool may_coincide(std::span<const Vec3> p, Real squared);
 
 }  // namespace trevi

@@ -1,7 +1,8 @@
-// What a failed run leaves to look at: DIR/blowup_<step>.h5. /particles/{id,position,velocity,predicted} as in a
-// checkpoint, unsorted; the same as a VTKHDF grid (positions of the last good state as points, p* of the failed step
-// as the field "predicted", which may be anything), to which DIR/blowup_<step>.hdf is a link, as ParaView goes by the
-// ending; attributes step and message. Collective.
+// What a failed run leaves for inspection: DIR/blowup_<step>.h5. It contains
+// /particles/{id,position,velocity,predicted} as in a checkpoint, unsorted, and the same as a VTKHDF grid (positions of
+// the last good state as points, p* of the failed step as the field "predicted", which may be anything).
+// DIR/blowup_<step>.hdf is a link to it, because ParaView goes by the file name extension. Attributes: step and
+// message. Collective.
 #pragma once
 
 #include <string>

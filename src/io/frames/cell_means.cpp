@@ -8,7 +8,7 @@ namespace trevi {
 
 namespace {
 
-constexpr Real velocity_units = 1 << 30, density_units = 1 << 20;  // in 1 m/s, in 1 kg/m³
+constexpr Real velocity_units = 1 << 30, density_units = 1 << 20;  // per 1 m/s, per 1 kg/m³
 constexpr Real largest_velocity = 1e5, largest_density = 1e8;      // 90,000 of them in a cell fit into an int64
 
 struct CellSum {
@@ -23,7 +23,7 @@ struct CellSum {
   }
 };
 
-// -limit for what is not a number.
+// -limit for anything that is not a number.
 std::int64_t in_units(Real value, Real limit, Real units) {
   return std::llround(units * std::max(-limit, std::min(limit, value)));
 }
@@ -50,7 +50,7 @@ void merge_equal_cells(std::vector<CellSum>& sums) {
   sums.resize(kept);
 }
 
-// By cells, of this rank's particles. Those of a cell lie side by side, but for the few that have moved.
+// Sums by cells over this rank's particles. Those of a cell are contiguous, except for the few that have moved.
 std::vector<CellSum> own_sums(const CoarseCells& cells, const Frame& frame) {
   std::vector<CellSum> sums;
   for (std::size_t i = 0; i < frame.particles.id.size(); ++i) {
@@ -79,7 +79,7 @@ std::vector<int> first_rows(const std::vector<int>& counts) {
   return starts;
 }
 
-// To the ranks that look after the cells, which are slices of ascending cells.
+// Sends the sums to the ranks responsible for the cells, which are slices of ascending cells.
 std::vector<CellSum> sent_to_slices(MPI_Comm comm, std::int64_t total, const std::vector<CellSum>& sums) {
   const int ranks = size_of(comm);
   std::vector<int> sent(static_cast<std::size_t>(ranks)), received(sent.size());
@@ -112,7 +112,7 @@ CoarseCells::CoarseCells(const Box& domain, const CellGrid& grid, const std::opt
     const auto last = static_cast<std::int64_t>(grid.count(k));
     std::int64_t end = last;
     if (box) {
-      constexpr Real rounding = 1e-9;  // of a cell: a face of the box that is one of cells takes none beyond it
+      constexpr Real rounding = 1e-9;  // of a cell: if a face of the box is one of cells, no cell beyond it is taken
       const Real low = std::floor((box->min[a] - domain.min[a]) * per_metre + rounding),
                  high = std::ceil((box->max[a] - domain.min[a]) * per_metre - rounding);
       first_[k] = std::clamp<std::int64_t>(static_cast<std::int64_t>(low), 0, last - 1);

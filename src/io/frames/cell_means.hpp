@@ -1,8 +1,8 @@
-// Means of the water over the cells of the coarse grid, those of the projection: boxes about one kernel radius wide
-// that fill the domain evenly. Sums are of integers, velocities in units of 2^-30 m/s and densities of 2^-20 kg/m³, so
-// no bit depends on the ranks or on the order of the particles; a velocity counts up to 10^5 m/s. Each rank sums up its
-// own particles by cells and sends the sums to the rank that looks after the cell, one exchange of all with all: no
-// rank holds more than its share of the grid. Collective: cell_means().
+// Means of the water over the cells of the coarse grid, which are those of the projection: boxes about one kernel
+// radius wide that fill the domain evenly. Sums are integers, of velocities in units of 2^-30 m/s and densities in
+// units of 2^-20 kg/m³, so no bit depends on the ranks or on the order of the particles; velocities count up to 10^5
+// m/s. Each rank sums its own particles by cells and sends the sums to the rank responsible for the cell, in one
+// all-to-all exchange: no rank holds more than its share of the grid. Collective: cell_means().
 #pragma once
 
 #include <array>
@@ -18,9 +18,9 @@
 
 namespace trevi {
 
-/// The cells that meet a box, or all of the domain's, each a point of a regular grid, numbered with x fastest. The
-/// point is the middle of its cell. Along a direction with a single cell it has two, the middles of its faces, as the
-/// reader of VTK 9.1 cannot read flat images.
+/// The cells that meet a box, or all cells of the domain, each a point of a regular grid, numbered with x fastest. The
+/// point is the centre of its cell. Along a direction with a single cell it has two points, the centres of its faces,
+/// because the reader of VTK 9.1 cannot read flat images.
 class CoarseCells {
  public:
   /// `grid`: planes along x, of the domain that begins at `domain.min`.
@@ -32,7 +32,7 @@ class CoarseCells {
   const Vec3& size() const { return size_; }      ///< of a cell, and from point to point, m
   /// The first point of its cell; -1 outside of the box.
   std::int64_t point_of(const Vec3& p) const;
-  /// From a point to the other of its cell, along directions with a single cell.
+  /// From a point to the second one of its cell, along directions with a single cell.
   std::vector<std::int64_t> steps_to_second() const;
 
  private:
@@ -41,7 +41,7 @@ class CoarseCells {
   Vec3 origin_, size_;
 };
 
-/// Of the points that this rank looks after, a row each; 0 where there is no water.
+/// One row for each point that this rank is responsible for; 0 where there is no water.
 struct CellMeans {
   RowSlice slice;
   std::vector<float> fraction;                 ///< of the cell that is water: particles · s³ over its volume

@@ -11,7 +11,7 @@ namespace trevi {
 namespace {
 
 constexpr Rgb water{40, 120, 220};
-constexpr Real violet = 0.75;  ///< hue of the rainbow's end, as a part of the colour circle
+constexpr Real violet = 0.75;  ///< hue of the rainbow's end, as a fraction of the colour circle
 
 std::uint8_t byte_of(Real value) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0))); }
 

@@ -1,7 +1,6 @@
-// Colours of particles as three bytes, for pictures only: nothing in the simulation reads them.
-// The rainbow runs over the hues from red (0) to violet (1) at full saturation and brightness.
-// Rank-local, but all ranks call colours_of() alike, as it is logged. One rule for all frame formats, so that VTU and
-// VTKHDF show the same colours.
+// Colours of particles as three bytes, for pictures only: nothing in the simulation reads them. The rainbow runs over
+// the hues from red (0) to violet (1) at full saturation and brightness. Rank-local, but all ranks call colours_of()
+// alike, because it is logged. One rule for all frame formats, so that VTU and VTKHDF show the same colours.
 #pragma once
 
 #include <array>
@@ -15,7 +14,7 @@ namespace trevi {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// What a colour is measured against; fixed for a run, so that a colour means the same in all frames.
+/// The scale of the colours; fixed for a run, so that a colour means the same in all frames.
 struct ColourScale {
   Colour by = Colour::blue;
   Real bottom = 0, top = 1;  ///< z of the domain, m: rainbow_height

@@ -1,6 +1,6 @@
-// The output fields: the one list by which the scene reader, the frames (VTU, VTKHDF) and the checkpoints go, so that a
+// The output fields: the single list used by the scene reader, the frames (VTU, VTKHDF) and the checkpoints, so that a
 // new field is one entry. Invariant: a field means the same in all formats, and files hold fields in the order of the
-// list. Rank-local, but all ranks ask for the same rows, as colours are logged.
+// list. Rank-local, but all ranks ask for the same rows, because colours are logged.
 #pragma once
 
 #include <array>
@@ -23,32 +23,33 @@ struct FieldSource {
   int rank;
 };
 
-/// One row for each particle of this rank, made for the occasion or lent by the frame, which they must not outlive.
+/// One row for each particle of this rank, computed on request or borrowed from the frame, which they must not outlive.
 using Rows = std::shared_ptr<const void>;
 
 enum class FieldNeeds { nothing, density, colour };
 
 struct OutputField {
-  /// What of a particle's state it is, for checkpoints; nothing for what follows from the state.
+  /// The member of the particles' state, for checkpoints; nothing for fields that follow from the state.
   using Saved = std::variant<std::monostate, std::vector<Vec3> Particles::*, std::vector<float> Particles::*>;
 
   const char* name;
   RowFormat format;                        ///< in frames
-  Rows (*rows)(const FieldSource&);        ///< of a frame; null: no field of frames
+  Rows (*rows)(const FieldSource&);        ///< of a frame; null: not a field of frames
   FieldNeeds needs = FieldNeeds::nothing;  ///< what a frame must have for it
   Saved saved = {};
-  bool Particles::*when = nullptr;  ///< tells whether particles have it; null: all have
+  bool Particles::*when = nullptr;  ///< whether particles have it; null: all have
 };
 
 extern const std::array<OutputField, 7> output_fields;
 
-/// Those that frames can have.
+/// The fields that frames can have.
 std::vector<const OutputField*> frame_fields();
 
 /// Those of `names` in the order of the list. InputError for an unknown name.
 std::vector<const OutputField*> frame_fields(const std::vector<std::string>& names);
 
-/// Calls visit(name, array) for each that a checkpoint holds of these particles, but for their ids, by which it sorts.
+/// Calls visit(name, array) for each field that a checkpoint holds of these particles, except for the ids, by which it
+/// sorts.
 template <class State, class Visit>
 void for_each_saved_field(State& particles, Visit&& visit) {
   for (const OutputField& field : output_fields) {

@@ -34,7 +34,7 @@ std::string attribute(const std::string& element, const std::string& name) {
   return std::regex_search(element, found, std::regex("\\b" + name + "=\"([^\"]*)\"")) ? found[1].str() : "";
 }
 
-// Of a damaged file those that are whole, where `keep_going`.
+// If `keep_going`, the complete entries of a damaged file.
 std::vector<FrameEntry> pvd_entries(const std::string& path, const std::string& text, bool keep_going) {
   std::vector<FrameEntry> entries;
   static const std::regex data_set("<DataSet\\b[^>]*>");
@@ -76,7 +76,7 @@ std::vector<FrameEntry> read_series(const std::string& path) {
   }
 }
 
-// Of a file that was cut short those whose lines are whole.
+// For a truncated file, the entries whose lines are complete.
 std::vector<FrameEntry> whole_lines(const std::string& text) {
   std::vector<FrameEntry> entries;
   std::istringstream lines(text);
@@ -91,7 +91,7 @@ std::vector<FrameEntry> whole_lines(const std::string& text) {
   return entries;
 }
 
-// One frame a line in both formats, for people and diff.
+// One frame per line in both formats, for people and diff.
 std::string pvd_text(const std::vector<FrameEntry>& entries) {
   std::string text =
       "<?xml version=\"1.0\"?>\n"
@@ -128,10 +128,10 @@ FrameListFile::FrameListFile(const std::string& path, std::optional<std::int64_t
   if (!restart_step || !fs::exists(path)) return;
   try {
     entries_ = read_frame_list(path);
-  } catch (const Error&) {  // a run must not fail for its list; the damaged one stays to be looked at
+  } catch (const Error&) {  // a run must not fail for its list; the damaged one is kept for inspection
     try {
       entries_ = is_pvd(path) ? pvd_entries(path, read_text(path), true) : whole_lines(read_text(path));
-    } catch (const Error&) {  // nothing of it can be read
+    } catch (const Error&) {  // nothing in it can be read
     }
     fs::rename(path, path + ".stale");
   }

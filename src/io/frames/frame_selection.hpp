@@ -1,7 +1,7 @@
 // Which particles one of [[output.frames]] holds: those in a box, those near the surface (visible.hpp, as the viewer
-// draws it), every 2^k-th by a hash of its id, or what is all of these. Invariant: whether a particle is selected
-// depends on its id and on the positions of all particles only, so it is the same on any rank count, and of disjoint
-// boxes that fill the domain exactly one holds it. Collective: select().
+// draws it), every 2^k-th by a hash of its id, or those that meet all of these conditions. Invariant: whether a
+// particle is selected depends only on its id and on the positions of all particles, so it is the same on any rank
+// count, and of disjoint boxes that fill the domain exactly one holds it. Collective: select().
 #pragma once
 
 #include <optional>

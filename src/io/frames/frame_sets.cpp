@@ -32,7 +32,7 @@ CoarseCells coarse_cells(const Settings& settings, const FrameSetSettings& set) 
 }
 
 bool is_folder_name(const std::string& name) {
-  constexpr std::size_t longest = 200;  // of the 255 that file systems take, with what is set before and behind it
+  constexpr std::size_t longest = 200;  // of the 255 that file systems allow, with prefix and suffix
   return !name.empty() && name.size() <= longest && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
   });

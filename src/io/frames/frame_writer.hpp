@@ -1,5 +1,5 @@
 // What the writers of frames for ParaView (vtu.hpp, vtkhdf.hpp) share: when a frame is due, which fields it has, the
-// list of frames, and what a restart does with later ones. Invariant: the list names whole frames only; a step is
+// list of frames, and what a restart does with later ones. Invariant: the list names only complete frames; a step is
 // written once. Collective: the constructor and observe().
 #pragma once
 
@@ -24,19 +24,19 @@ struct FrameOptions {
   Schedule schedule;
   std::vector<std::string> fields;  ///< names of output_fields
   ColourScale colour;
-  std::optional<std::int64_t> restart_step;  ///< entries past it leave the list, their files are renamed *.stale
-  std::shared_ptr<const ObstacleSurfaces> obstacles;  ///< null where the scene has none
+  std::optional<std::int64_t> restart_step;  ///< entries past it are removed from the list, their files renamed *.stale
+  std::shared_ptr<const ObstacleSurfaces> obstacles;  ///< null if the scene has none
   std::optional<FrameSelection> selection{};          ///< none: all particles
-  /// Points in single precision, and of the cells, which say only that each particle is a vertex, as little as VTK's
-  /// reader takes (vtkhdf.hpp).
+  /// Points in single precision; and the cells, which only say that each particle is a vertex, in the smallest form
+  /// that VTK's reader accepts (vtkhdf.hpp).
   bool single_points = false, short_cells = false;
 };
 
-/// A row for each of these points, in double precision those themselves.
+/// One row for each of these points; in double precision the points themselves.
 Rows point_rows(const std::vector<Vec3>& points, bool single);
 inline RowFormat point_format(bool single) { return {single ? Scalar::float32 : Scalar::float64, 3}; }
 
-/// Names of a format's files, relative to the directory of the output, and of the event that times them.
+/// Names of a format's files, relative to the output directory, and of the event that times them.
 struct FrameFiles {
   std::string event;
   std::string list;
@@ -53,7 +53,7 @@ class FrameWriter : public Observer {
  protected:
   FrameWriter(MPI_Comm comm, FrameOptions options, FrameFiles files);
 
-  /// Writes a frame of this name, the folder included, whole; RunError on all ranks alike.
+  /// Writes a complete frame of this name, including the folder; RunError on all ranks alike.
   virtual void write(const Frame& frame, const std::string& path) = 0;
 
   MPI_Comm comm() const { return comm_; }
@@ -70,8 +70,8 @@ class FrameWriter : public Observer {
   FrameFiles files_;
   Event event_;
   std::vector<const OutputField*> fields_;
-  std::optional<FrameListFile> list_;        ///< rank 0 only, as the next
-  std::optional<ObstacleFrames> obstacles_;  ///< where the scene has any
+  std::optional<FrameListFile> list_;        ///< rank 0 only, like the next
+  std::optional<ObstacleFrames> obstacles_;  ///< if the scene has any
   std::int64_t last_step_ = -1;              ///< of the last frame listed
 };
 

@@ -40,7 +40,7 @@ std::string ending_of(const std::string& path) {
 template <class Reader>
 vtkSmartPointer<vtkPolyData> read_by(const std::string& path) {
   vtkNew<Reader> reader;
-  vtkNew<VtkErrorText> errors, warnings;  // of which the latter are not told
+  vtkNew<VtkErrorText> errors, warnings;  // warnings are not reported
   reader->AddObserver(vtkCommand::WarningEvent, warnings);
   reader->AddObserver(vtkCommand::ErrorEvent, errors);
   reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, errors);
@@ -54,8 +54,8 @@ vtkSmartPointer<vtkPolyData> read_by(const std::string& path) {
   return triangles->GetOutput();
 }
 
-// 80 bytes of any text, the number of triangles, and 50 bytes for each of them. A file of text begins with "solid", as
-// may one of bytes, in whose number of triangles there is a byte of 0.
+// 80 bytes of any text, the number of triangles, and 50 bytes for each of them. A text file begins with "solid"; so may
+// a binary file, but its number of triangles contains a zero byte.
 void check_binary_stl(const std::string& path) {
   constexpr std::uintmax_t head = 84, triangle = 50;
   std::ifstream file(path, std::ios::binary);
@@ -75,7 +75,7 @@ void check_binary_stl(const std::string& path) {
   }
 }
 
-// VTK takes what it cannot read of a vertex for 0, and what is too large for the largest number.
+// VTK reads invalid parts of a vertex as 0, and numbers that are too large as the largest number.
 void check_obj(const std::string& path) {
   constexpr double largest = 1e30;
   std::ifstream file(path);
@@ -96,10 +96,10 @@ void check_obj(const std::string& path) {
 }
 
 vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
-  std::error_code ignored;  // of links in a circle, for instance
+  std::error_code ignored;  // of circular links, for instance
   if (!std::filesystem::is_regular_file(path, ignored))
     throw InputError(path + ": no such file; give the path of a mesh");
-  constexpr double bytes_per_byte = 4;  // of VTK and of ours
+  constexpr double bytes_per_byte = 4;  // memory of VTK and of ours
   require_memory(bytes_per_byte * static_cast<double>(std::filesystem::file_size(path)),
                  path + ": triangles of so large a file", "make it coarser");
   const std::string ending = ending_of(path);
@@ -122,7 +122,7 @@ vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
 
 TriangleMesh read_mesh_file(const std::string& path) {
   const vtkSmartPointer<vtkPolyData> surface = read_surface(path);
-  // Corners are counted by 32 bits, and the mesh goes to all ranks in one message of less than 2 GB.
+  // Corners are counted with 32 bits, and the mesh goes to all ranks in one message of less than 2 GB.
   constexpr vtkIdType max_triangles = 25'000'000;
   if (surface->GetNumberOfCells() > max_triangles)
     throw InputError(path + ": holds more than 25 million triangles; make it coarser");

@@ -1,4 +1,4 @@
-// Surfaces of triangles from STL, OBJ or PLY files, by VTK's readers. Rank-local. InputError names the file and what is
+// Triangle surfaces from STL, OBJ or PLY files, by VTK's readers. Rank-local. InputError names the file and what is
 // wrong with it.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace trevi {
 
-/// As it stands in the file: polygons cut to triangles, equal points joined, triangles without area left out.
+/// The mesh of the file: polygons are cut into triangles, equal points merged, triangles without area left out.
 TriangleMesh read_mesh_file(const std::string& path);
 
 }  // namespace trevi

@@ -10,10 +10,10 @@ namespace trevi {
 
 namespace {
 
-/// Arrays behind one another, each after its size in bytes, as VTK has them in a file of appended raw data.
+/// Consecutive arrays, each preceded by its size in bytes, as VTK has them in a file of appended raw data.
 class AppendedArrays {
  public:
-  /// Where it begins.
+  /// Returns the offset at which it begins.
   template <class T>
   std::size_t add(const std::vector<T>& rows) {
     const std::size_t begin = bytes_.size();

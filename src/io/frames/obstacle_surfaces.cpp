@@ -32,7 +32,7 @@ ObstacleSurface ObstacleSurfaces::placed(bool moves, Real time, std::span<const 
   for (std::size_t k = 0; k < all_.size(); ++k) {
     if (all_[k].moves != moves) continue;
     Pose pose = all_[k].motion.at(time);
-    const std::size_t body = k + bodies_ - all_.size();  // beyond their number where it is none
+    const std::size_t body = k + bodies_ - all_.size();  // beyond their number if it is not a body
     if (body < bodies.size()) {
       pose.turn = rotation_of(bodies[body].orientation);
       pose.center = bodies[body].position - pose.turn * all_[k].center_of_mass;

@@ -1,5 +1,5 @@
-// The obstacles of a scene as triangles in the world, for pictures: those that stay where they are, and those that move
-// at a time. Triangles look out of the solid, so that of a vessel one sees the far walls from inside. Rank-local.
+// The obstacles of a scene as triangles in the world, for pictures: those that do not move, and those that move, at a
+// given time. Triangles face out of the solid, so that the far walls of a vessel are seen from inside. Rank-local.
 #pragma once
 
 #include <span>
@@ -17,14 +17,14 @@ struct ObstacleSurface {
 
 class ObstacleSurfaces {
  public:
-  /// Curves are cut into chords that deviate by at most `finest`, m. Meshes are to be there (read_obstacle_files).
-  /// The last `bodies` of them move freely.
+  /// Curves are divided into chords that deviate by at most `finest`, m. Meshes must have been read
+  /// (read_obstacle_files). The last `bodies` of the obstacles move freely.
   ObstacleSurfaces(const std::vector<ObstacleSettings>& obstacles, Real finest, std::size_t bodies = 0);
 
   bool any_stays() const { return count(false) > 0; }
   bool any_moves() const { return count(true) > 0; }
   ObstacleSurface standing() const { return placed(false, 0); }
-  /// Bodies are where their states are; without any, as at the start.
+  /// Bodies are where their states put them; without states, where they are at the start.
   ObstacleSurface moving(Real time, std::span<const BodyState> bodies = {}) const { return placed(true, time, bodies); }
 
  private:

@@ -21,8 +21,8 @@ namespace trevi {
 namespace {
 
 constexpr double largest = 1e30;
-constexpr std::int64_t max_corners = 255;  // VTK counts them in a byte
-constexpr std::size_t max_line = 4000;     // it has memory for 4096 bytes of one
+constexpr std::int64_t max_corners = 255;  // VTK counts them in one byte
+constexpr std::size_t max_line = 4000;     // VTK has a buffer of 4096 bytes for a line
 
 struct Type {
   std::size_t bytes = 0;  // 0: unknown
@@ -163,7 +163,7 @@ class Check {
   }
   std::string place() const { return text_ ? fmt::format(" (line {})", number_) : ""; }
 
-  // VTK takes an element of each line.
+  // VTK reads one element from each line.
   void read_line_of(const Element& element, std::int64_t n) {
     ++number_;
     if (!std::getline(file_, line_))

@@ -1,6 +1,6 @@
-// What a picture is drawn from, whether a run sends it to its viewer or the viewer reads it from the run's files: the
-// box, and of each frame the particles worth drawing (visible.hpp). Plain data in SI units; a ViewedParticle may be
-// sent and stored as its bytes.
+// The data that a picture is drawn from, whether a run sends them to its viewer or the viewer reads them from the run's
+// files: the box, and for each frame the particles worth drawing (visible.hpp). Plain data in SI units; a
+// ViewedParticle may be sent and stored as its bytes.
 #pragma once
 
 #include <cmath>
@@ -25,7 +25,7 @@ struct ViewedScene {
 struct ViewedParticle {
   float x = 0, y = 0, z = 0;  ///< m
   float speed = 0;            ///< m/s
-  float density = NAN;        ///< kg/m³; nan unless wished for
+  float density = NAN;        ///< kg/m³; nan unless requested
   std::uint8_t rgb[3] = {0, 0, 0};
   std::uint8_t unused = 0;
 };
@@ -36,7 +36,7 @@ struct ViewedFrame {
   std::int64_t particles = 0;  ///< of the run
   int level = 0;               ///< of thinning (visible.hpp)
   std::vector<FountainState> fountains;
-  std::vector<std::int64_t> rank_counts;  ///< so many of the particles below are of rank 0, 1, ...
+  std::vector<std::int64_t> rank_counts;  ///< how many of the particles below are of rank 0, 1, ...
   std::vector<ViewedParticle> shown;
   std::vector<std::shared_ptr<const TriangleMesh>> solids;  ///< surfaces of obstacles, in the world, towards the water
 };

@@ -11,8 +11,8 @@ namespace {
 
 constexpr Real max_cells = 2e6;
 
-// Leaves a mark where both neighbours along an axis have one, too; beyond the ends there is none. A run of `count`
-// cells, `stride` apart, goes along the axis; cells side by side are worked on together.
+// Keeps a mark where both neighbours along an axis are marked, too; beyond the ends there is none. A run of `count`
+// cells, `stride` apart, goes along the axis; contiguous cells are processed together.
 void erode(std::vector<std::uint8_t>& marks, std::size_t stride, std::size_t count) {
   const std::vector<std::uint8_t> old = marks;
   const std::size_t block = stride * count;
@@ -53,7 +53,7 @@ void VisibleCells::mark(const Vec3& p) { marks_[cell_of(p)] = 1; }
 
 void VisibleCells::find_hidden() {
   hidden_ = marks_;
-  // All 26 neighbours are marked when three passes along the axes leave the mark.
+  // All 26 neighbours are marked if three passes along the axes keep the mark.
   std::size_t stride = 1;
   for (const std::ptrdiff_t count : count_) {
     erode(hidden_, stride, static_cast<std::size_t>(count));

@@ -1,8 +1,8 @@
-// Which particles are worth drawing. A particle is taken to be hidden when its cell and all 26 cells around it hold
-// water: it then lies at least a cell (h) below the surface of the water. Cells beyond the box count as empty, as one
-// looks through the walls. What is left is thinned to a budget: of level k every 2^k-th particle is drawn, chosen by a
-// hash of its id, so the choice is the same in each frame, and a higher level only leaves out more.
-// Invariant: the same on any rank count once the marks of all ranks are merged. Rank-local, no communication.
+// Which particles are worth drawing. A particle is taken to be hidden when its cell and all 26 cells around it contain
+// water: it is then at least a cell (h) below the surface of the water. Cells beyond the box count as empty, because
+// one looks through the walls. The others are thinned to a budget: at level k every 2^k-th particle is drawn, chosen by
+// a hash of its id, so that the choice is the same in each frame, and a higher level only leaves out more. Invariant:
+// the same on any rank count once the marks of all ranks are merged. Rank-local, no communication.
 #pragma once
 
 #include <array>
@@ -16,13 +16,13 @@ namespace trevi {
 
 class VisibleCells {
  public:
-  /// Cells of `size` m, or larger where the box would have more than two million of them.
+  /// Cells of `size` m, or larger if the box would have more than two million of them.
   VisibleCells(const Box& box, Real size);
 
   void mark(const Vec3& p);
-  /// 1 where a cell holds water: to be merged over ranks by a bitwise or.
+  /// 1 where a cell contains water: to be merged over ranks by a bitwise or.
   std::span<std::uint8_t> marks() { return marks_; }
-  /// Once all is marked and merged.
+  /// To be called when all particles have been marked and the marks merged.
   void find_hidden();
   bool hidden(const Vec3& p) const { return hidden_[cell_of(p)] != 0; }
 
@@ -35,7 +35,7 @@ class VisibleCells {
   std::vector<std::uint8_t> marks_, hidden_;
 };
 
-/// The lowest level that leaves at most `budget` of `count` particles, about.
+/// The lowest level that leaves at most about `budget` of `count` particles.
 int thinning_level(std::int64_t count, std::int64_t budget);
 
 /// Whether a particle is drawn at a level.

@@ -15,7 +15,7 @@ vtkStandardNewMacro(VtkCompressor);
 
 namespace {
 
-constexpr size_t batch = 128;  // blocks, of 22 KiB where nobody tells VTK otherwise
+constexpr size_t batch = 128;  // blocks, of 22 KiB by VTK's default
 
 }  // namespace
 
@@ -36,7 +36,7 @@ size_t VtkCompressor::CompressBuffer(const unsigned char* data, size_t size, uns
     return next_ < blocks_.size() && blocks_[next_].data() == data && blocks_[next_].size() == size;
   };
   if (!ready()) compress_from({data, size});
-  if (!ready() || sizes_[next_] == 0 || sizes_[next_] > space) {  // 0: it failed, and says so when done here
+  if (!ready() || sizes_[next_] == 0 || sizes_[next_] > space) {  // 0: it failed, and will report that when done here
     ++unexpected_;
     return vtkZLibDataCompressor::CompressBuffer(data, size, compressed, space);
   }

@@ -1,8 +1,8 @@
 // The compressor of VTK's XML writer, which compresses an array block after block on one thread. This one is told of
-// the arrays first: asked for a block of one of them it compresses those that follow, too, shared by the threads, and
-// hands them out as they are asked for. Each block goes through VTK's own compressor by itself, so the file does not
-// depend on the number of threads; what it was not told of is compressed when asked for, as ever.
-// Memory: the compressed blocks of one batch, 3 MB. Rank-local.
+// the arrays in advance: when it is asked for a block of one of them, it also compresses the blocks that follow, shared
+// among the threads, and hands them out when they are asked for. Each block goes through VTK's own compressor
+// separately, so the file does not depend on the number of threads. Blocks of other arrays are compressed when they are
+// asked for, as usual. Memory: the compressed blocks of one batch, 3 MB. Rank-local.
 #pragma once
 
 #include <vtkNew.h>
@@ -19,13 +19,13 @@ namespace trevi {
 
 class VtkCompressor : public vtkZLibDataCompressor {
  public:
-  // No vtkTypeMacro: the file names the class by which readers are to decompress it, and that is VTK's.
+  // No vtkTypeMacro: the file names the class with which readers are to decompress it, and that must be VTK's.
   static VtkCompressor* New();
 
   /// The arrays of a grid, which must not change until it is written.
   void expect(vtkUnstructuredGrid* grid);
 
-  /// Blocks so far of nothing that was expected.
+  /// Number of blocks so far that belong to no expected array.
   int unexpected_blocks() const { return unexpected_; }
 
  protected:
@@ -38,7 +38,7 @@ class VtkCompressor : public vtkZLibDataCompressor {
   Bytes expected_from(Bytes first) const;
 
   std::vector<Bytes> expected_;
-  // The batch: blocks side by side in the arrays, and what became of them, each in its own run of results_.
+  // The batch: blocks that are contiguous in the arrays, and the compressed data, each in its own part of results_.
   std::vector<Bytes> blocks_;
   std::vector<size_t> sizes_;
   std::vector<unsigned char> results_;

@@ -1,5 +1,5 @@
 // Keeps what VTK would print as an error, for a message of our own. Observes ErrorEvent of VTK's readers and writers.
-// Rank-local. Only for sources that know VTK.
+// Rank-local. Only for source files that use VTK.
 #pragma once
 
 #include <vtkCommand.h>
@@ -17,7 +17,7 @@ class VtkErrorText : public vtkCommand {
     if (text_.empty()) text_ = "no reason given";
   }
   bool empty() const { return text_.empty(); }
-  /// Its first line, without where in VTK it came from.
+  /// Its first line, without the place in VTK where it occurred.
   std::string text() const {
     const std::size_t from = text_.find("): ");
     const std::string line = from == std::string::npos ? text_ : text_.substr(from + 3);

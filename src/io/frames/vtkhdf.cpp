@@ -11,7 +11,7 @@ namespace trevi {
 
 namespace {
 
-/// This rank's slice of rows that ranks give in rank order.
+/// This rank's slice of rows that ranks provide in rank order.
 RowSlice in_rank_order(MPI_Comm comm, std::int64_t count) {
   return {sum_over_lower_ranks(comm, count), count, sum_over_ranks(comm, count)};
 }
@@ -43,7 +43,7 @@ VtkHdfFile::VtkHdfFile(MPI_Comm comm, const std::string& path, const std::vector
   const std::int64_t version[] = {1, 0};
   file_.attribute("/VTKHDF/Version", std::span<const std::int64_t>(version));
   file_.attribute("/VTKHDF/Type", std::string("UnstructuredGrid"));
-  // Ranks without particles have no partition; VTK wants one at least.
+  // Ranks without particles have no partition; VTK requires at least one.
   const bool partition = points_.count > 0 || (points_.total == 0 && rank_of(comm) == 0);
   write_cells(in_rank_order(comm, partition ? 1 : 0), layout.short_cells);
   file_.write("/VTKHDF/Points", point_format(layout.single_points), points_,

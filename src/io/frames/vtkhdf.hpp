@@ -1,10 +1,9 @@
 // Frames for ParaView in VTKHDF 1.0: one HDF5 file per frame, DIR/particles_<step>.hdf, written by all ranks together,
-// and DIR/particles.hdf.series that lists them with physical time. An unstructured grid with one vertex per particle
-// and one partition per rank that has any; fields as in fields.hpp.
-// With short cells Offsets and Connectivity are int32, and Types, which are all the same, take no room in the file: 8
-// bytes a particle in place of 17.
-// A frame is written under a temporary name and renamed, so the list names whole frames only. Collective.
-// Format: VTK File Formats, "VTKHDF"; the list: ParaView's file series, version 1.0.
+// and DIR/particles.hdf.series that lists them with physical time. A frame is an unstructured grid with one vertex per
+// particle and one partition per rank that has any; fields as in fields.hpp. With short cells, Offsets and Connectivity
+// are int32, and Types, which are all the same, take no space in the file: 8 bytes per particle instead of 17. A frame
+// is written under a temporary name and renamed, so the list names only complete frames. Collective. Format: VTK File
+// Formats, "VTKHDF"; the list: ParaView's file series, version 1.0.
 #pragma once
 
 #include <memory>
@@ -19,7 +18,7 @@ namespace trevi {
 
 std::unique_ptr<Observer> make_vtkhdf_writer(MPI_Comm comm, FrameOptions options);
 
-/// A VTKHDF file under way: the grid first, then fields of its points, one row for each of this rank's points.
+/// A VTKHDF file that is being written: the grid first, then point fields, with one row for each of this rank's points.
 class VtkHdfFile {
  public:
   struct Layout {

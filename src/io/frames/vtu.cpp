@@ -29,7 +29,7 @@ namespace trevi {
 
 namespace {
 
-/// How VTK has a kind of number, in memory and in its files.
+/// How VTK represents a type of number, in memory and in its files.
 struct NumberType {
   int type;
   const char* name;
@@ -57,7 +57,7 @@ NumberType number_type(Scalar scalar) {
 vtkSmartPointer<vtkDataArray> borrowed(RowFormat format, const void* rows, std::size_t count) {
   auto array = vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(number_type(format.scalar).type));
   array->SetNumberOfComponents(format.components);
-  // VTK asks for a pointer to non-const; with save = 1 it neither changes nor frees what a writer only reads.
+  // VTK asks for a pointer to non-const; with save = 1 it neither changes nor frees data that a writer only reads.
   if (count > 0) array->SetVoidArray(const_cast<void*>(rows), static_cast<vtkIdType>(count) * format.components, 1);
   return array;
 }
@@ -103,7 +103,7 @@ class VtuWriter : public FrameWriter {
     on_root(comm(), [&] { replace_file(path, frame_text(path)); });
   }
 
-  /// Of the frame `path`, which ends in .pvtu.
+  /// For the frame `path`, which ends in .pvtu.
   static std::string piece_path(const std::string& path, int rank) {
     return fmt::format("{}_{}.vtu", path.substr(0, path.rfind('.')), rank);
   }

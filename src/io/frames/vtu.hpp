@@ -12,7 +12,8 @@
 
 namespace trevi {
 
-/// Throws InputError, with the remedy, in a build without VTK (vtu_absent.cpp). To be asked before anything is written.
+/// Throws InputError, with the remedy, in a build without VTK (vtu_absent.cpp). To be called before anything is
+/// written.
 void require_vtk();
 
 /// Requires VTK.

@@ -10,9 +10,9 @@
 
 namespace trevi {
 
-/// 67 of each, in the order of the members of its state.
+/// 67 numbers for each body, in the order of the members of its state.
 std::vector<Real> numbers_of(std::span<const BodyState> bodies);
-/// Those of /bodies. DamagedFile where they cannot be.
+/// The states in /bodies. DamagedFile if they are not valid.
 std::vector<BodyState> bodies_of(const std::string& path, const Hdf5Reader& file);
 
 }  // namespace trevi

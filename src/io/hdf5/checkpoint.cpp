@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::int64_t format_version = 1;
 
-// Rank 0 writes what is no table of particles.
+// Rank 0 writes everything that is not a table of particles.
 template <class T>
 void write_on_root(MPI_Comm comm, Hdf5Writer& file, const std::string& name, const std::vector<T>& rows) {
   const auto count = static_cast<std::int64_t>(rows.size());
@@ -58,7 +58,7 @@ void write_flow(MPI_Comm comm, Hdf5Writer& file, const FlowState* flow) {
   write_on_root(comm, file, "/opening_rows", flow->rows);
 }
 
-// Of scenes with openings in walls.
+// For scenes with openings in walls.
 void read_openings(const std::string& path, const Hdf5Reader& file, FlowState& flow) {
   if (!file.has("/openings") || !file.has("/opening_rows")) return;
   constexpr std::size_t values = 4;
@@ -118,7 +118,7 @@ std::array<LocalId, 3> read_first_cell(const std::string& path, const Hdf5Reader
   return cell;
 }
 
-// Steps, numbers of bodies and gauges, and the steps of gauges where they are others; then forces and torques, then
+// Steps, numbers of bodies and gauges, and the steps of gauges if those are different; then forces and torques, then
 // pressures.
 void write_force_sums(MPI_Comm comm, Hdf5Writer& file, const ForceSums* sums) {
   if (sums == nullptr || (sums->steps == 0 && sums->pressure_steps == 0)) return;
@@ -190,8 +190,8 @@ void write_header(MPI_Comm comm, Hdf5Writer& file, const CheckpointInfo& info, c
   }
 }
 
-// Each block of rows has a checksum of its own, so that an error can name the rows. HDF5's Fletcher-32 is not used, as
-// it needs chunks and HDF5's own hands on the rows (hdf5_writer.hpp says why not).
+// Each block of rows has its own checksum, so that an error can name the rows. HDF5's Fletcher-32 is not used, because
+// it requires chunks and that HDF5 itself handles the rows (hdf5_writer.hpp says why it does not).
 constexpr std::int64_t rows_per_block = 1024;
 
 /// The last block may be shorter.
@@ -206,7 +206,7 @@ std::vector<std::int64_t> block_checksums(std::span<const T> rows) {
   return sums;
 }
 
-/// Block of rows `row` begins, or the number of blocks up to the end of the table.
+/// The block that begins at row `row`, or the number of blocks up to the end of the table.
 std::int64_t block_at(std::int64_t row) { return (row + rows_per_block - 1) / rows_per_block; }
 
 RowSlice blocks_of(RowSlice rows) {
@@ -235,7 +235,7 @@ void write_particles(MPI_Comm comm, Hdf5Writer& file, const Particles& particles
                   path, what));
 }
 
-/// What a restart reads from, on one rank: the file and the rows that this rank looks after.
+/// What a restart reads from, on one rank: the file and the rows that this rank is responsible for.
 struct Source {
   std::string path;
   Hdf5Reader file;

@@ -59,7 +59,7 @@ bool CheckpointWriter::due(const Clock& clock) const {
 
 void CheckpointWriter::write(const Frame& frame) {
   const ScopedEvent timed(event_);
-  // A restart relies on the rows of these up to its checkpoint, so they are on the disk before it is.
+  // A restart relies on the rows of these up to its checkpoint, so they must be on the disk before it is.
   on_root(comm_, [&] {
     for (const char* table : {"/series.csv", "/obstacles.csv", "/bodies.csv", "/gauges.csv"})
       sync_if_there(options_.directory + table);

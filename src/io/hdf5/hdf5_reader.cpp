@@ -17,7 +17,7 @@ namespace trevi {
 
 namespace {
 
-/// That nothing but its content can keep the file from being read. Without waiting, as a pipe would make us.
+/// Ensures that nothing but its content can make the file unreadable. Does not wait, as opening a pipe would.
 void check_access(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
   if (descriptor < 0) throw InputError(fmt::format("{}: cannot read: {}; check the path", path, std::strerror(errno)));
@@ -28,7 +28,7 @@ void check_access(const std::string& path) {
 
 Hdf5Handle open_file(const std::string& path) {
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  // A file that is only read needs no lock, and some cluster file systems have none to give.
+  // A file that is only read needs no lock, and some cluster file systems provide none.
   H5Pset_file_locking(access.id(), false, true);
   Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
   if (file.valid()) return file;
@@ -63,7 +63,8 @@ bool is_elsewhere(hid_t dataset) {
   return H5Pget_layout(creation.id()) == H5D_VIRTUAL || H5Pget_external_count(creation.id()) > 0;
 }
 
-// Deflate makes a thousandth of zeros at best; what claims to be smaller has never been written, and reads as zeros.
+// Deflate compresses zeros to a thousandth at best; data that claim to be smaller were never written, and read as
+// zeros.
 constexpr double max_compression = 1100, smallest_table = 1e4;
 
 /// The value of a fixed-length string type, whatever reads it.
@@ -94,7 +95,7 @@ void Hdf5Reader::fail(const std::string& object, const std::string& problem) con
 }
 
 bool Hdf5Reader::has(const std::string& name) const {
-  // H5Lexists fails rather than answering no when a group on the way is missing.
+  // H5Lexists fails rather than answering no if a group on the way is missing.
   for (std::size_t slash = name.find('/', 1);; slash = name.find('/', slash + 1)) {
     if (H5Lexists(file_.id(), name.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
     if (slash == std::string::npos) return true;

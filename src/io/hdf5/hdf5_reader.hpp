@@ -1,7 +1,7 @@
-// Reads tables of particles from an HDF5 file; every rank opens the file for itself and reads its own slice.
-// Rank-local on purpose: a checksum error in one rank's slice must not leave the others inside a collective read.
-// Every failure is an InputError that names file, object, what is wrong and what to do: a DamagedFile where that lies
-// in the file, and not in the path, in permissions or in the memory of this machine.
+// Reads tables of particles from an HDF5 file; every rank opens the file for itself and reads its own slice. Rank-local
+// on purpose: a checksum error in one rank's slice must not leave the others inside a collective read. Every failure is
+// an InputError that names the file, the object, what is wrong and what to do: a DamagedFile if the cause is in the
+// file, and not in the path, in permissions or in the memory of this machine.
 #pragma once
 
 #include <string>
@@ -43,7 +43,7 @@ class Hdf5Reader {
   Hdf5Handle open_dataset(const std::string& name) const;
   Hdf5Handle open_attribute(const std::string& name) const;
   std::int64_t checked_rows(const std::string& name, RowFormat format) const;
-  /// Fails for rows that a file of this size cannot hold, or this machine's memory.
+  /// Fails for more rows than a file of this size can hold, or than fit into this machine's memory.
   void check_room(const std::string& name, RowFormat format, RowSlice slice) const;
   void check_text_size(const std::string& object, std::int64_t type) const;
   void read_rows(const std::string& name, RowFormat format, RowSlice slice, void* rows) const;

@@ -19,8 +19,8 @@ herr_t keep_first(unsigned index, const H5E_error2_t* error, void* reason) {
 }  // namespace
 
 void silence_hdf5() {
-  // At the end of the program HDF5 would close what is open. Nothing is, but a damaged file can leave it a handle that
-  // it then crashes on.
+  // At the end of the program HDF5 would close what is open. Nothing is, but a damaged file can leave it a handle on
+  // which it then crashes.
   H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }

@@ -62,7 +62,7 @@ struct RowSlice {
   std::int64_t first = 0, count = 0, total = 0;
 };
 
-/// Slice `rank` of `size` slices that differ by one block at most; they begin at multiples of `block`.
+/// Slice `rank` of `size` slices that differ by at most one block; they begin at multiples of `block`.
 inline RowSlice equal_slice(std::int64_t total, int rank, int size, std::int64_t block = 1) {
   const std::int64_t blocks = (total + block - 1) / block, blocks_each = blocks / size, rest = blocks % size;
   const auto start = [&](std::int64_t k) { return std::min(total, block * (blocks_each * k + std::min(k, rest))); };
@@ -91,11 +91,11 @@ class Hdf5Handle {
   Close close_ = nullptr;
 };
 
-/// From here on HDF5 prints no error stack of its own: every return value is checked and told in one line.
+/// From here on HDF5 prints no error stack of its own: every return value is checked and reported in one line.
 void silence_hdf5();
 
-/// The innermost reason on HDF5's error stack, e.g. "truncated file: eof = ...".
-/// To be asked before any other handle closes: each successful call of HDF5 clears the stack.
+/// The innermost reason on HDF5's error stack, e.g. "truncated file: eof = ...". To be called before any other handle
+/// closes: each successful HDF5 call clears the stack.
 std::string hdf5_reason();
 
 /// HDF5's native type for a scalar (an hid_t that must not be closed).

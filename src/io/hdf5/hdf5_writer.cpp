@@ -14,7 +14,7 @@ namespace trevi {
 
 namespace {
 
-/// ASCII where that does, as ParaView 5.11 takes the Type of a VTKHDF file in no other character set.
+/// ASCII if possible, because ParaView 5.11 accepts the Type of a VTKHDF file in no other character set.
 Hdf5Handle string_type(const std::string& value) {
   const bool ascii = std::all_of(value.begin(), value.end(), [](unsigned char c) { return c < 128; });
   Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
@@ -71,7 +71,7 @@ void Hdf5Writer::check(bool good, const std::string& object) const {
 }
 
 void Hdf5Writer::create_groups(const std::string& name) const {
-  // By hand, as the groups that HDF5 makes on the way to a dataset carry the time of day.
+  // Created explicitly, because groups that HDF5 creates on the way to a dataset carry the time of day.
   const Hdf5Handle creation = timeless(H5P_GROUP_CREATE);
   for (std::size_t slash = name.find('/', 1); slash != std::string::npos; slash = name.find('/', slash + 1)) {
     const std::string group_name = name.substr(0, slash);
@@ -93,7 +93,7 @@ void Hdf5Writer::check_limit(const std::string& name, std::int64_t bytes) const 
                   name, *limit));
 }
 
-// Returns where in the file the rows begin.
+// Returns the offset in the file at which the rows begin.
 std::int64_t Hdf5Writer::create_dataset(const std::string& name, RowFormat format,
                                         const std::vector<std::int64_t>& shape) {
   const std::int64_t total = std::accumulate(shape.begin(), shape.end(), std::int64_t{1}, std::multiplies<>());
@@ -214,7 +214,7 @@ void Hdf5Writer::link(const std::string& name, const std::string& second_name) {
   });
 }
 
-// All that is not rows.
+// Everything other than rows.
 void Hdf5Writer::copy_layout() {
   std::sort(tables_.begin(), tables_.end(), [](const Extent& a, const Extent& b) { return a.begin < b.begin; });
   const std::int64_t size = layout_->size();

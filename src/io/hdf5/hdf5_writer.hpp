@@ -1,11 +1,11 @@
-// Writes tables of particles to one HDF5 file, all ranks together: HDF5 lays the same file out in the memory of every
-// rank (a few kilobytes, the rows are holes), so that each knows without a message where the tables lie and writes its
-// own rows there, with plain writes; rank 0 writes what is not rows.
-// HDF5 never writes to the disk itself, because of what it does when the disk is full: the ranks of its parallel driver
-// wait for each other for ever, and its serial driver crashes at the end of the program. The file is the same.
-// Collective: every member, with the same arguments on all ranks but for the rows. What goes wrong on a rank before
-// close() is kept until then, which spares a message for each table; close() throws it, the same RunError on all ranks.
-// The file is whole, and on the disk, only after close().
+// Writes tables of particles to one HDF5 file, all ranks together. HDF5 lays out the same file in the memory of every
+// rank (a few kilobytes, the rows are holes), so that each knows without communication where the tables are and writes
+// its own rows there, with plain writes; rank 0 writes everything other than rows. HDF5 never writes to the disk
+// itself, because of what it does when the disk is full: the ranks of its parallel driver wait for each other for ever,
+// and its serial driver crashes at the end of the program. The file is the same. Collective: every member, with the
+// same arguments on all ranks except for the rows. Errors on a rank before close() are kept until then, which saves a
+// message for each table; close() throws them as the same RunError on all ranks. The file is complete, and on the disk,
+// only after close().
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ class Hdf5Writer {
   Hdf5Writer(const Hdf5Writer&) = delete;
   Hdf5Writer& operator=(const Hdf5Writer&) = delete;
 
-  /// A dataset of slice.total rows, of which this rank gives rows [first, first + count). Groups in the name are
+  /// A dataset of slice.total rows, of which this rank provides rows [first, first + count). Groups in the name are
   /// created.
   template <class T>
   void write(const std::string& name, const std::vector<T>& rows, RowSlice slice) {
@@ -50,15 +50,15 @@ class Hdf5Writer {
   }
   void write(const std::string& name, RowFormat format, RowSlice slice, const void* rows);
 
-  /// The same of shape (z, y, x), or (z, y, x, components), rows with x fastest: slice.total is their product.
+  /// The same with shape (z, y, x), or (z, y, x, components), rows with x fastest: slice.total is their product.
   void write_grid(const std::string& name, RowFormat format, const GridRows& rows);
 
-  /// A dataset whose rows all have one value, which is all of it that is in the file: readers see the rows.
+  /// A dataset whose rows all have one value, which is all that the file stores: readers see all rows.
   void write_constant(const std::string& name, std::uint8_t value, std::int64_t total);
 
   void text(const std::string& name, const std::string& value);  ///< a dataset that is one string, UTF-8
 
-  /// An attribute of the root group, or "/group/name" for one of another group, which is created.
+  /// An attribute of the root group, or "/group/name" for an attribute of another group, which is created.
   void attribute(const std::string& name, std::int64_t value);
   void attribute(const std::string& name, Real value);
   void attribute(const std::string& name, std::span<const std::int64_t> values);
@@ -72,7 +72,7 @@ class Hdf5Writer {
   void close();
 
  private:
-  /// Does the work, unless something has gone wrong on this rank before.
+  /// Does the work, unless an error has occurred on this rank before.
   void attempt(const std::function<void()>& work);
 
   // Rank-local; these throw.

@@ -12,7 +12,7 @@ namespace trevi {
 
 namespace {
 
-/// Ids in ascending order, and where each stood before.
+/// Ids in ascending order, and the previous index of each.
 struct Sorted {
   std::vector<GlobalId> ids;
   std::vector<LocalId> order;
@@ -30,7 +30,7 @@ Sorted sort_by_comparison(std::span<const GlobalId> ids) {
 Range all_of(const std::vector<std::uint64_t>& numbers) { return {0, static_cast<LocalId>(numbers.size())}; }
 
 // One pass of a radix sort, by eleven bits of the numbers. Equal digits keep their order, so that it does not matter
-// who sorts which part.
+// which thread sorts which part.
 void sort_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_t>& to, int shift) {
   constexpr std::size_t digits = 2048;
   constexpr LocalId part_size = 32768;
@@ -57,7 +57,7 @@ void sort_digit(const std::vector<std::uint64_t>& from, std::vector<std::uint64_
   });
 }
 
-// Five times as fast as comparing, for ids that span less than 2^32: id and index are packed into one number.
+// Five times as fast as comparison, for ids that span less than 2^32: id and index are packed into one number.
 Sorted sort_by_ids(std::span<const GlobalId> ids) {
   if (ids.empty()) return {};
   const auto [least, most] = std::minmax_element(ids.begin(), ids.end());
@@ -113,7 +113,7 @@ IdOrder::IdOrder(MPI_Comm comm, std::span<const GlobalId> ids, GlobalId block) :
   first_row_ = sum_over_lower_ranks(comm_, static_cast<GlobalId>(ids_.size()));
 }
 
-// Splitter k is the smallest id that as many ids do not exceed as belong to the ranks 0 to k.
+// Splitter k is the smallest id for which the number of ids up to it is at least that belonging to ranks 0 to k.
 std::vector<GlobalId> IdOrder::find_splitters(std::span<const GlobalId> sorted, GlobalId block) {
   const auto ranks = static_cast<GlobalId>(size_of(comm_));
   const GlobalId blocks = (total_ + block - 1) / block;

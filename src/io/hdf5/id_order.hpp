@@ -1,7 +1,7 @@
-// Particles spread over ranks in any way, brought into the order of their ids: rank r ends with one contiguous range of
-// ids and of rows, and no rank ever holds an array of global size. Method: local sort, splitters found by bisection
-// over the id range (one MPI_Allreduce of P − 1 counts a round, at most 64), one all-to-all. Ids need not be dense;
-// equal ids meet on one rank, where they can be found. Collective: constructor and apply.
+// Brings particles that are spread over ranks in any way into the order of their ids: each rank ends with one
+// contiguous range of ids and of rows, and no rank ever holds an array of global size. Method: local sort, splitters
+// found by bisection over the id range (one MPI_Allreduce of P − 1 counts per round, at most 64), one all-to-all. Ids
+// need not be dense; equal ids end up on one rank, where they can be found. Collective: constructor and apply.
 #pragma once
 
 #include <span>
@@ -15,15 +15,15 @@ namespace trevi {
 
 class IdOrder {
  public:
-  /// Every rank but the last non-empty one gets the same number of rows, a multiple of `block` (unless ids repeat).
+  /// Every rank except the last non-empty one gets the same number of rows, a multiple of `block` (unless ids repeat).
   IdOrder(MPI_Comm comm, std::span<const GlobalId> ids, GlobalId block = 1);
 
   GlobalId total() const { return total_; }                  ///< rows over all ranks
   GlobalId first_row() const { return first_row_; }          ///< of this rank's range
   const std::vector<GlobalId>& ids() const { return ids_; }  ///< of this rank's range, ascending
 
-  /// One field in the order of ids(): field.size() is that of the constructor's ids. T is trivially copyable or Eigen
-  /// fixed.
+  /// One field in the order of ids(): field.size() is that of the constructor's ids. T is trivially copyable or a
+  /// fixed-size Eigen type.
   template <class T>
   std::vector<T> apply(const std::vector<T>& field) const;
 

@@ -44,7 +44,7 @@ void sync_folder_of(const std::string& path) {
 }
 
 void sync_descriptor(int descriptor, const std::string& path) {
-  // EINVAL: a special file or file system that has no sync.
+  // EINVAL: a special file or a file system without sync.
   if (::fsync(descriptor) != 0 && errno != EINVAL) throw_file_error(path, "sync", errno);
 }
 
@@ -64,7 +64,7 @@ void rename_file(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) throw_file_error(to, "rename " + from + " to it", errno);
 }
 
-/// The digits that `text` begins with, which leave it.
+/// Removes the digits that `text` begins with, and returns them.
 std::string_view read_digits(std::string_view& text) {
   const std::string_view digits = text.substr(0, text.find_first_not_of("0123456789"));
   text.remove_prefix(digits.size());
@@ -115,7 +115,7 @@ void AppendFile::write(std::string_view text) {
   if (!has_name(descriptor_, path_)) throw RunError(path_ + ": cannot write: it was removed or replaced under the run");
 }
 
-// memfd_create would do without a name, but HDF5 insists on one that is no symbolic link.
+// memfd_create would need no name, but HDF5 insists on one that is not a symbolic link.
 MemoryFile::MemoryFile()
     : name_(fmt::format("/trevi-{}-{}", ::getpid(), fmt::ptr(this))),
       descriptor_(::shm_open(name_.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0600)) {
@@ -158,7 +158,7 @@ void RandomAccessFile::write(std::int64_t offset, std::string_view bytes) {
     bytes.remove_prefix(static_cast<std::size_t>(written));
     offset += written;
   }
-  // The disk begins now, while the next rows are being made ready; sync() waits for it and has its errors.
+  // The disk starts writing now, while the next rows are being prepared; sync() waits for it and receives its errors.
   static_cast<void>(::sync_file_range(descriptor_, start, offset - start, SYNC_FILE_RANGE_WRITE));
 }
 

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The first file found that only a run writes; empty when there is none.
+/// The first file found that only a run writes; empty if there is none.
 std::string trace_of_a_run(const std::string& directory) {
   for (const char* name : {"series.csv", vtu_list, vtkhdf_list, "run.json"}) {
     if (fs::exists(directory + "/" + name)) return name;
@@ -52,7 +52,7 @@ bool series_is_past_start(const std::string& path) {
   std::string line;
   std::getline(text, line);  // the header
   while (std::getline(text, line)) {
-    if (!line.starts_with("0,") && !text.eof()) return true;  // eof: a row that was never finished
+    if (!line.starts_with("0,") && !text.eof()) return true;  // eof: a row that was never completed
   }
   return false;
 }

@@ -50,7 +50,7 @@ OutputLock::OutputLock(MPI_Comm comm, const std::string& directory)
 
 OutputLock::~OutputLock() {
   if (descriptor_ < 0) return;
-  if (has_name(descriptor_, path_)) ::unlink(path_.c_str());  // else it is another run's
+  if (has_name(descriptor_, path_)) ::unlink(path_.c_str());  // otherwise it belongs to another run
   ::close(descriptor_);
 }
 
@@ -64,11 +64,11 @@ void OutputLock::take() {
   on_root(comm_, [&] {
     while (descriptor_ < 0) {
       const int file = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-      if (file < 0) return;  // no folder yet, or one that cannot be written into, which is told where it must be
+      if (file < 0) return;  // no folder yet, or one that is not writable, which is reported where it is needed
       const bool locked = lock_file(file, directory_);
       struct stat status = {};
       const bool removed =
-          locked && ::fstat(file, &status) == 0 && status.st_nlink == 0;  // by a run that ended just now
+          locked && ::fstat(file, &status) == 0 && status.st_nlink == 0;  // by a run that has just ended
       if (removed) ::close(file);
       if (!removed) descriptor_ = file;
     }

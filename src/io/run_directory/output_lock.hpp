@@ -1,9 +1,9 @@
-// One run at a time in a folder: a second one would set aside or remove what the first has written.
-// The lock is the system's (fcntl) on DIR/run.lock. It ends with the process of rank 0, however that ends, so a killed
-// run never keeps its restart out, on this host or another; the file, which only tells who holds the lock, may then
-// stay. Network file systems: NFS and Lustre mounted with flock lock between hosts; mounted with nolock or localflock,
-// within one host only; where there are no locks at all, nothing is guarded. NFS 4 keeps the lock of a host that died
-// for its lease (90 s as a rule). Collective: all but the destructor.
+// Ensures one run at a time in a folder: a second one would set aside or remove what the first has written. The lock is
+// that of the system (fcntl) on DIR/run.lock. It ends with the process of rank 0, however that ends, so a killed run
+// never blocks its own restart, on this host or another; the file, which only says who holds the lock, may then remain.
+// Network file systems: NFS and Lustre mounted with flock lock between hosts; mounted with nolock or localflock, within
+// one host only; where there are no locks at all, nothing is guarded. NFS 4 keeps the lock of a host that died for its
+// lease (usually 90 s). Collective: all but the destructor.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ class OutputLock {
   OutputLock(const OutputLock&) = delete;
   OutputLock& operator=(const OutputLock&) = delete;
 
-  /// Nothing when it is held. InputError that names host and process when another run has it.
+  /// Does nothing if the lock is held. InputError that names host and process if another run has it.
   void take();
 
   /// Whether the folder was removed, or replaced by another, since the lock was taken.

@@ -60,7 +60,7 @@ void Progress::measure(std::int64_t step, Instant now) {
   const std::int64_t steps = step - last_print_step_;
   if (steps > 0) {
     const double latest = seconds_between(last_print_, now) / static_cast<double>(steps);
-    // Smoothed, so that a slow frame does not make the time left jump.
+    // Smoothed, so that a slow frame does not make the remaining time jump.
     seconds_per_step_ = seconds_per_step_ < 0 ? latest : 0.7 * seconds_per_step_ + 0.3 * latest;
     last_print_step_ = step;
   }

@@ -1,7 +1,7 @@
-// How far a run is, for the person who waits: a bar redrawn in place on a terminal, a line every few seconds in a log.
-// Invariant: a bar never takes more than one line of the terminal, and whatever was drawn last ends with a newline.
-// Rank 0 prints, to stderr; no communication, so its cost is a clock reading per step.
-// Under mpirun the ranks' stderr is a pipe: `automatic` then prints lines, `bar` has to be asked for.
+// Shows the progress of a run to the user: a bar redrawn in place on a terminal, a line every few seconds in a log.
+// Invariant: a bar never takes more than one line of the terminal, and the last output always ends with a newline. Rank
+// 0 prints, to stderr; without communication, so the cost is one clock reading per step. Under mpirun the ranks' stderr
+// is a pipe: `automatic` then prints lines, and `bar` has to be asked for.
 #pragma once
 
 #include <chrono>
@@ -47,7 +47,7 @@ class Progress : public Observer {
   Instant last_print_;
   std::int64_t last_print_step_;
   double seconds_per_step_ = -1;  ///< smoothed; negative: not known yet
-  bool line_open_ = false;        ///< a bar stands without its newline
+  bool line_open_ = false;        ///< a bar has been drawn without its newline
 };
 
 }  // namespace trevi

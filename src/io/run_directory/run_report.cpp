@@ -39,7 +39,7 @@ Json inlet_json(const RunReport::Inlet& inlet) {
               {"dry", inlet.dry}};
 }
 
-// How it ended, by what, and of which scene.
+// How the run ended, with which program, and which scene it was.
 void add_origin(Json& json, const RunReport& report) {
   json["exit_reason"] = report.exit_reason;
   json["exit_code"] = report.exit_code;
@@ -101,7 +101,7 @@ std::string scene_hash(std::string_view text) { return fmt::format("{:016x}", fn
 
 void write_run_report(MPI_Comm comm, const std::string& directory, const RunReport& report) {
   on_root(comm, [&] {
-    // A library's version text need not be UTF-8; a report is worth more than a faithful accent.
+    // The version text of a library need not be UTF-8; a report is worth more than a faithful accent.
     const std::string text = report_json(report).dump(2, ' ', false, Json::error_handler_t::replace);
     replace_file(directory + "/run.json", text + "\n");
   });

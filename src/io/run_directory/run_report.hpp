@@ -1,6 +1,6 @@
-// run.json: what ran, on what, how fast and how it ended. Plain data that the program fills; this part only writes it.
-// Values that are not known are nan and become null. Keys keep the order of the struct.
-// Collective: write_run_report (rank 0's report is the one written).
+// run.json: what ran, on which machines, how fast, and how it ended. Plain data that the program fills in; this part
+// only writes it. Unknown values are nan and become null. Keys keep the order of the struct. Collective:
+// write_run_report (rank 0's report is the one written).
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ struct PhaseReport {
   double flops = unknown, bytes = unknown;
 };
 
-/// A machine of the run: how many of the ranks, which follow each other there, and of each its processors as Linux
-/// lists them ("0-3,8"); the memory domains that these are in.
+/// A machine of the run: the number of its ranks, which are consecutive; for each of them its processors as Linux lists
+/// them ("0-3,8"); and the number of memory domains that these are in.
 struct HostReport {
   std::string name;
   int ranks = 0, memory_domains = 0;
@@ -36,7 +36,7 @@ struct RunReport {
   std::string exit_reason;  ///< "done", "stopped: wall limit", ...
   int exit_code = 0;
   int ranks = 1;
-  int threads = 1, threads_min = 1;  ///< of a rank: most and least of the ranks
+  int threads = 1, threads_min = 1;  ///< of a rank: largest and smallest over the ranks
   struct Versions {
     std::string trevi, mpi, petsc, hdf5, vtk;
   } versions;
@@ -46,7 +46,7 @@ struct RunReport {
   std::vector<std::string> warnings;       ///< settings outside the stability envelope, and a rise of the energy
   std::string instruction_set, precision;  ///< e.g. "AVX2", "double"
   std::int64_t first_step = 0, last_step = 0;
-  std::int64_t steps = 0;  ///< done by this process, restarts not included
+  std::int64_t steps = 0;  ///< done by this process, without those before a restart
   std::int64_t particles = 0;
   double simulated_seconds = unknown, wall_seconds = unknown;
   double steps_per_second = unknown, particle_steps_per_second = unknown;
@@ -55,22 +55,22 @@ struct RunReport {
   double motion_gain = unknown;          ///< EnergyRise::fraction_of_motion()
   double compression_largest = unknown;  ///< mean over the water at the end of a substep
   std::int64_t crushed_step = -1;        ///< first with more than density.crush_limit; -1: none
-  /// Particles that were asked of an inlet, and what became of them (FlowState::Stream).
+  /// Particles that were requested from an inlet, and what became of them (FlowState::Stream).
   struct Inlet {
     double asked, made, covered, blocked, dry;
   };
   std::vector<Inlet> inlets;            ///< in the order of the scene
   std::int64_t unconverged_solves = 0;  ///< density solves that missed density.tolerance
   double halo_bytes_per_step = unknown, halo_messages_per_step = unknown;  ///< sums over ranks
-  /// Of each rank: in the steps, and of that waiting for others, and of this in exchanges with neighbours and in
-  /// reductions over all ranks.
+  /// For each rank: time in the steps; of this, time waiting for others; and of that, time in exchanges with neighbours
+  /// and in reductions over all ranks.
   std::vector<double> step_seconds, waiting_seconds, halo_wait_seconds, reduction_seconds;
-  /// Largest over mean work of a rank, at looks some steps apart, before cuts moved if they did.
+  /// Largest over mean work of a rank, sampled some steps apart, before cuts were moved if they were.
   double imbalance_mean = unknown, imbalance_max = unknown;
   std::int64_t cut_moves = 0;  ///< times that cuts between slabs were moved
   double bytes_per_particle = unknown;
   double max_resident_bytes = unknown;  ///< largest rank
-  double energy_joules = unknown;       ///< of the processors of all hosts, where all tell
+  double energy_joules = unknown;       ///< of the processors of all hosts, if all report it
   std::vector<HostReport> hosts;
   std::vector<PhaseReport> phases;
 };

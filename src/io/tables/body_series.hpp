@@ -1,4 +1,4 @@
-// bodies.csv: where the bodies that move freely are, how they move, and what the water did to them, a row for each due
+// bodies.csv: positions and motion of the freely moving bodies, and what the water did to them, one row for each due
 // step; columns as in postprocess/README.md. Collective.
 #pragma once
 

@@ -1,11 +1,12 @@
-// How far the total energy of a run has risen above its start, from the rows of its series: kinetic and potential
-// energy as they are there, less what it was supplied with (solver/supplied_energy.hpp). Water by itself can only lose
-// energy, so a rise is the method's own. It is told twice. As a fraction of max(|E0|, m g h N) deep water counts by its
-// height and shallow water by a kernel radius; without gravity that is the kinetic energy of the start (the definition
-// of the stability study, postprocess/study.py). Water that is supplied counts by what it has or has been given most
-// of. As a fraction of the moving part, what the start has above the same water at rest, a wave counts by itself. A
-// start that is compressed may well push the water apart: it begins with the first row that is not. Not collective; the
-// same rows give the same fractions on all ranks. May be copied as bytes.
+// How far the total energy of a run has risen above its initial value, from the rows of its series: kinetic and
+// potential energy as given there, minus the energy that was supplied (solver/supplied_energy.hpp). Water by itself can
+// only lose energy, so a rise is an error of the method. It is reported in two ways. As a fraction of max(|E0|, m g h
+// N), the scale of deep water is its height and that of shallow water a kernel radius; without gravity it is the
+// initial kinetic energy (the definition of the stability study, postprocess/study.py). The scale of supplied water is
+// the largest energy that it has or was given. As a fraction of the moving part, the initial energy above that of the
+// same water at rest, the scale of a wave is its own energy. A compressed initial state may well push the water apart:
+// the account begins with the first row that is not compressed. Not collective; the same rows give the same fractions
+// on all ranks. May be copied as bytes.
 #pragma once
 
 #include <cmath>
@@ -16,26 +17,26 @@ namespace trevi {
 
 class EnergyRise {
  public:
-  /// Of a particle the water that it stands for, kg; g, m/s², h, m, and the step dt, s. Of water supplied with no more
-  /// energy than takes all of it by 1e-10 h in a step nothing is told: that is rounding.
+  /// `mass`: of the water that a particle represents, kg; g, m/s², h, m, and the step dt, s. No rise is reported for
+  /// water that was supplied with no more energy than moves all of it by 1e-10 h in a step: that is rounding.
   EnergyRise(Real mass, Real g, Real h, Real dt = INFINITY)
       : mass_(mass), g_(g), h_(h), rounding_(mass / 2 * std::pow(1e-10 * h / dt, 2)) {}
-  /// Water at rest is level in a closed box of that floor, m², with nothing in it; its particles are `spacing` apart.
+  /// Water at rest is level in a closed box with this floor area, m², and nothing in it; particles are `spacing` apart.
   void set_tank(Real floor, Real spacing) { floor_ = floor, spacing_ = spacing; }
 
-  /// The next row; the first that is compressed by at most 1 % is the start. `of_bodies`: the kinetic energy of bodies,
-  /// J, whose changes count as supplied: exact to a part of that alone.
+  /// Adds the next row; the first that is compressed by at most 1 % is the start. `of_bodies`: the kinetic energy of
+  /// bodies, J, whose changes count as supplied: exact to a fraction of that energy alone.
   void add(const Diagnostics& row, Real supplied = 0, Real of_bodies = 0);
 
-  /// The highest rise so far; nan without a start, and for one at rest without gravity.
+  /// The highest rise so far; nan without a start, and for a start at rest without gravity.
   Real fraction() const { return (highest_ - start_) / scale_; }
-  /// The same of the moving part; nan without set_tank(), without gravity, and where hardly anything moves: where it,
-  /// or the rise, is less than to lift all of the water by a thousandth of the spacing.
+  /// The same as a fraction of the moving part; nan without set_tank(), without gravity, and where hardly anything
+  /// moves: if this part, or the rise, is less than what lifts all of the water by a thousandth of the spacing.
   Real fraction_of_motion() const;
 
  private:
   Real mass_, g_, h_;
-  Real rounding_;  // J, of a particle
+  Real rounding_;  // J, per particle
   Real floor_ = NAN, spacing_ = NAN;
   Real start_ = NAN, highest_ = NAN, scale_ = NAN;  // J
   Real motion_ = NAN, least_ = NAN;                 // J

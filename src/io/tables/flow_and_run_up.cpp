@@ -8,19 +8,19 @@ namespace trevi {
 
 namespace {
 
-// How much of a cube around `at` with edges of one spacing is between −half and half, as a fraction.
+// The fraction of a cube around `at`, with edges of one spacing, that is between −half and half.
 Real part_within(Real at, Real half, Real spacing) {
   const Real low = std::max(at - spacing / 2, -half), high = std::min(at + spacing / 2, half);
   return std::max(0.0, high - low) / spacing;
 }
 
-// As the edges of an inlet: the first is level, along x where the rectangle is.
+// Like the edges of an inlet: the first is horizontal, along x if the rectangle is.
 Vec3 level_across(const Vec3& normal) {
   const Vec3 level = Vec3::UnitZ().cross(normal);
   return level.norm() > 1e-9 ? Vec3(level / level.norm()) : Vec3::UnitX();
 }
 
-// Half of an edge of a rectangle; along a periodic axis no more than half of the box.
+// Half of an edge of a rectangle; along a periodic axis at most half of the box.
 Real half_of(Real edge, const Vec3& direction, const Settings& settings) {
   Real half = edge / 2;
   for (Eigen::Index a = 0; a < 3; ++a) {

@@ -1,4 +1,4 @@
-// Two gauges of the water: the flow through a rectangle, and how high water runs up an obstacle. Not collective.
+// Two gauges of the water: the flow through a rectangle, and the run-up of water on an obstacle. Not collective.
 #pragma once
 
 #include <optional>
@@ -9,18 +9,18 @@
 
 namespace trevi {
 
-/// What flows through a rectangle, to the side of its normal. Each particle is a cube of one spacing along the edges of
-/// the rectangle; what of it is in the slab two spacings thick around the rectangle flows with its velocity. A lattice
-/// that moves as a whole flows by speed times area to rounding, wherever the rectangle stands, if its edges are along
-/// those of the lattice. Where the box repeats it is at most as long as that.
+/// The flow through a rectangle, in the direction of its normal. Each particle is a cube of one spacing along the edges
+/// of the rectangle; the part of it in the slab, two spacings thick, around the rectangle flows with its velocity. For
+/// a lattice that moves as a whole, the flow is speed times area to rounding, wherever the rectangle is, if its edges
+/// are along those of the lattice. In a periodic box it is at most as long as the box.
 class RectangleFlow {
  public:
   RectangleFlow(const GaugeSettings& gauge, const Settings& settings);
-  /// What a particle adds, m³/s.
+  /// The contribution of a particle, m³/s.
   Real flow(const Vec3& p, const Vec3& v) const;
 
  private:
-  // Of an image of it, from the centre, m³.
+  // The volume of one of its images in the slab, from the centre, m³.
   Real volume(const Vec3& from) const;
 
   Vec3 normal_, level_, across_;
@@ -29,14 +29,14 @@ class RectangleFlow {
   SeenFrom seen_;
 };
 
-/// How high the water is on obstacles that stand, in a strip from a place up the beach: the top of the highest particle
-/// whose centre is no further from a surface than a spacing. Spray in the air does not count.
+/// The run-up of the water on standing obstacles, in a strip from a place up the beach: the top of the highest particle
+/// whose centre is no further from a surface than one spacing. Spray in the air does not count.
 class RunUp {
  public:
   RunUp(const GaugeSettings& gauge, const Settings& settings);
   /// Whether the particle counts.
   bool touches(const Vec3& p) const;
-  /// Above the centre of the gauge, m.
+  /// Height above the centre of the gauge, m.
   Real height(const Vec3& p) const { return p.z() + spacing_ / 2 - gauge_.center.z(); }
 
  private:

@@ -24,8 +24,8 @@ Real unit_of_height(Real spacing) { return std::ldexp(spacing, -32); }
 Real unit_of_flow(Real spacing) { return std::ldexp(spacing * spacing, -36); }  // m³/s
 constexpr Real unit_of_velocity = 0x1p-30;                                      // of 1 m/s, and of a weight
 
-// Of a gauge of velocity: the number of particles; the ten sums of w x_a x_b, a <= b, with x = (1, offset in radii);
-// the twelve of w x_a v_b.
+// For a velocity gauge: the number of particles; the ten sums of w x_a x_b, a <= b, with x = (1, offset in radii); the
+// twelve of w x_a v_b.
 constexpr std::size_t count_of_moments = 1 + 10 + 12;
 
 // `way`: from the centre of the gauge.
@@ -41,7 +41,7 @@ void add_velocity(const GaugeSettings& gauge, const Vec3& way, const Vec3& v, st
     for (Eigen::Index b = 0; b < 3; ++b) *sums++ += std::llround(weight * x[a] * v[b] / unit_of_velocity);
 }
 
-// The linear field that fits best, at the centre; the mean where no such field is known there.
+// The best-fitting linear field at the centre; the mean if no such field can be determined there.
 Vec3 velocity_from(const std::int64_t* sums, bool in_layer) {
   const std::int64_t count = *sums++;
   if (count == 0) return Vec3::Constant(NAN);
@@ -52,7 +52,7 @@ Vec3 velocity_from(const std::int64_t* sums, bool in_layer) {
   for (Eigen::Index a = 0; a < 4; ++a)
     for (Eigen::Index b = 0; b < 3; ++b) velocities(a, b) = static_cast<Real>(*sums++);
   if (moments(0, 0) == 0) return Vec3::Constant(NAN);
-  if (in_layer) moments(2, 2) = moments(0, 0);  // in the plane nothing has a slope along y
+  if (in_layer) moments(2, 2) = moments(0, 0);  // there is no slope along y in the plane
   constexpr Real far = 0.25, flat = 1e-3;
   constexpr std::int64_t enough = 8;
   const Vec3 middle = moments.block<3, 1>(1, 0) / moments(0, 0);
@@ -62,7 +62,7 @@ Vec3 velocity_from(const std::int64_t* sums, bool in_layer) {
   return moments.ldlt().solve(velocities).row(0).transpose();
 }
 
-// The box, which has no end along periodic axes.
+// The box, which is infinite along periodic axes.
 Box walls_of(const Settings& settings) {
   Box walls = settings.domain;
   for (Eigen::Index a = 0; a < 3; ++a) {
@@ -73,7 +73,7 @@ Box walls_of(const Settings& settings) {
   return walls;
 }
 
-// Of gauges of height, at the start: whether there is a solid below the foot, and none above.
+// For gauges of height, at the start: whether there is a solid below the foot, and none above.
 std::vector<char> stand_on_solids(const std::vector<GaugeSettings>& gauges, const Settings& settings) {
   std::vector<char> stand(gauges.size(), 0);
   const Vec3 way = settings.fluid.spacing / 4 * Vec3::UnitZ();
@@ -118,10 +118,10 @@ GaugeReadings::GaugeReadings(MPI_Comm comm, const Settings& settings)
 }
 
 // Each particle is a cube of one spacing that lies in the box, and above a solid on which the gauge stands; it is cut
-// at the foot. A wire that is wetted measures the same: air in the water does not count. Of particles nearer to the
-// floor than half a spacing a gauge on it would miss a part, and crests press more of them there: waves were 2.4 % too
-// low. Along walls the disc's weight is its mean over the spacing next to them: where in that the cubes lie tells
-// little of the water.
+// at the foot. This measures the same as a wetted wire: air in the water does not count. A gauge on the floor would
+// miss a part of particles nearer to it than half a spacing, and crests press more of them there: waves were 2.4 % too
+// low. Along walls the weight of the disc is its mean over the spacing next to them: where the cubes are within this
+// spacing says little about the water.
 void GaugeReadings::add_height(std::size_t g, const Vec3& from, std::int64_t& sum) const {
   const Real half = spacing_ / 2, reach = gauges_[g].radius + half + spacing_;
   if (std::abs(from.x()) >= reach || std::abs(from.y()) >= reach) return;
@@ -150,7 +150,7 @@ Real GaugeReadings::weight_of_cube(std::size_t g, const Vec3& from) const {
   return sum;
 }
 
-// What is next to a wall, at either end, lies evenly in the spacing there; the rest is where it is.
+// What is next to a wall, at either end, is evenly distributed over the spacing there; the rest is where it is.
 GaugeReadings::SharesAlong GaugeReadings::shares_along(Eigen::Index axis, const Vec3& from,
                                                        const GaugeSettings& gauge) const {
   const Real low = from[axis] - spacing_ / 2, high = from[axis] + spacing_ / 2;
@@ -196,7 +196,7 @@ std::vector<std::int64_t> GaugeReadings::sums(const Particles& particles) {
   return sum_over_threads_and_ranks(comm_, sums_);
 }
 
-// The largest of all particles of all ranks; nan without any.
+// The largest value over all particles of all ranks; nan without any.
 Real GaugeReadings::run_up(std::size_t g, const Particles& particles) const {
   PerThread<Real> of_threads;
   of_threads.for_each([](Real& highest) { highest = -INFINITY; });

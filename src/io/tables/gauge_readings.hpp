@@ -1,6 +1,6 @@
-// What the gauges of a scene show: heights, velocities, flows and run-ups from the particles, pressures as the frame
-// has them. Sums are integers, so that no order of the particles, and no number of ranks or threads, is seen in them.
-// Collective: read().
+// The readings of the gauges of a scene: heights, velocities, flows and run-ups from the particles, pressures from the
+// frame. Sums are integers, so that they depend neither on the order of the particles nor on the number of ranks or
+// threads. Collective: read().
 #pragma once
 
 #include <array>
@@ -32,10 +32,10 @@ class GaugeReadings {
   std::vector<std::int64_t> sums(const Particles& particles);
   void add(std::size_t g, const Particles& particles, Range part, std::vector<std::int64_t>& sums) const;
   Real run_up(std::size_t g, const Particles& particles) const;
-  // Of a particle whose middle is `from` the centre of the gauge.
+  // For a particle whose centre is at `from` relative to the centre of the gauge.
   void add_height(std::size_t g, const Vec3& from, std::int64_t& sum) const;
   Real weight_of_cube(std::size_t g, const Vec3& from) const;
-  // What of a cube lies evenly from `low` to `high`, m from the centre of the gauge; 0: none.
+  // The share of a cube that is evenly distributed from `low` to `high`, m from the centre of the gauge; 0: none.
   struct Share {
     Real low, high, share;
   };
@@ -46,8 +46,8 @@ class GaugeReadings {
   std::vector<GaugeSettings> gauges_;
   std::vector<std::size_t> first_;  // of the sums of each gauge; one more at the end
   Real spacing_;                    // m, the edge of a particle's cube
-  Box walls_;                       // none along periodic axes
-  Box middles_;                     // where that of a cube may be
+  Box walls_;                       // infinite along periodic axes
+  Box middles_;                     // where the centre of a cube may be
   bool in_layer_;                   // two dimensions
   bool pressures_;
   std::vector<RunUp> run_ups_;

@@ -1,4 +1,4 @@
-// gauges.csv: what the gauges of a scene show, a row for each due step; columns as in postprocess/README.md.
+// gauges.csv: the readings of the gauges of a scene, one row for each due step; columns as in postprocess/README.md.
 // Collective.
 #pragma once
 

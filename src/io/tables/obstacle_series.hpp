@@ -1,4 +1,4 @@
-// obstacles.csv: what the water did to each obstacle and to the box, a row for each due step; columns as in
+// obstacles.csv: what the water did to each obstacle and to the box, one row for each due step; columns as in
 // postprocess/README.md. Collective.
 #pragma once
 

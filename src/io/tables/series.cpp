@@ -19,7 +19,7 @@ constexpr const char* fixed_columns =
     "com_z,speed_max,top,front,front_q99,drift_max,imbalance,wall_seconds";
 
 std::string number(Real value) {
-  // The sign of a nan depends on how it came about; a column must not.
+  // The sign of a nan depends on how it was produced; a column must not.
   return std::isnan(value) ? "nan" : fmt::format("{}", value);
 }
 
@@ -95,7 +95,7 @@ void SeriesWriter::open() {
   if (options_.energy) recall(kept.text);
 }
 
-// The start of a run that goes on is the first row of its file.
+// The start of a continued run is the first row of its file.
 void SeriesWriter::recall(const std::string& rows) {
   std::istringstream lines(rows);
   std::string line;

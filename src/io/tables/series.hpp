@@ -1,6 +1,6 @@
-// series.csv: one row of diagnostics per due step; columns as in postprocess/README.md.
-// Invariant: rows are whole and in the order of their steps; numbers read back to the same bits (nan as `nan`).
-// Rank 0 writes and hands each row to the system at once, so a killed run keeps its rows. Collective.
+// series.csv: one row of diagnostics per due step; columns as in postprocess/README.md. Invariant: rows are complete
+// and in the order of their steps; numbers read back to the same bits (nan as `nan`). Rank 0 writes and hands each row
+// to the system at once, so a killed run keeps its rows. Collective.
 #pragma once
 
 #include <memory>
@@ -20,18 +20,18 @@ struct SeriesOptions {
   int fountains = 0;                         ///< each adds note_<k>, speed_<k>, k from 0; inlets are counted last
   std::optional<std::int64_t> restart_step;  ///< append, after dropping rows past it
   std::shared_ptr<EnergyRise> energy =
-      nullptr;            ///< hears of all rows, those of before a restart among them; may be null
+      nullptr;            ///< receives all rows, including those from before a restart; may be null
   bool flow = false;      ///< inlets or drains add inflow, outflow, waiting
-  bool supplied = false;  ///< a column of the energy supplied
+  bool supplied = false;  ///< whether there is a column of the energy supplied
 };
 
-/// The header line without its end: the fixed columns, then two for each fountain, those of inlets and drains, and the
-/// energy supplied.
+/// The header line without its newline: the fixed columns, then two for each fountain, those of inlets and drains, and
+/// the energy supplied.
 std::string series_header(int fountains, bool flow = false, bool supplied = false);
 
 class SeriesWriter : public Observer {
  public:
-  /// RunError when the file cannot be written; InputError when it is to be continued but has other columns.
+  /// RunError if the file cannot be written; InputError if it is to be continued but has other columns.
   SeriesWriter(MPI_Comm comm, SeriesOptions options);
 
   bool due(const Clock& clock) const override { return clock.step > last_step_ && options_.schedule.due(clock); }

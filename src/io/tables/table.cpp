@@ -20,7 +20,7 @@ KeptRows rows_up_to(const std::string& path, std::int64_t last, const std::strin
     throw InputError(path + ": its columns are not those of this scene; restart with another --output");
   }
   KeptRows kept{header + "\n", -1, {}};
-  while (std::getline(old, line) && !old.eof()) {  // eof: the line has no end
+  while (std::getline(old, line) && !old.eof()) {  // eof: the line has no newline
     std::int64_t step = -1;
     const auto result = std::from_chars(line.data(), line.data() + line.size(), step);
     if (result.ec != std::errc() || step > last) continue;

@@ -1,4 +1,4 @@
-// A table of the run's folder besides series.csv: a row for each due step. Rank 0 writes. Collective.
+// A table in the run's folder besides series.csv: one row for each due step. Rank 0 writes. Collective.
 #pragma once
 
 #include <optional>
@@ -21,8 +21,8 @@ class TableSeries : public Observer {
   bool due(const Clock& clock) const override { return clock.step > last_step_ && schedule_.due(clock); }
 
  protected:
-  /// `columns` after step and time, each with a comma before it. InputError when a file that is to be continued has
-  /// others.
+  /// `columns` follow step and time, each preceded by a comma. InputError if a file that is to be continued has
+  /// different ones.
   TableSeries(MPI_Comm comm, const TableOptions& options, const std::string& name, const std::string& columns);
   void write(const Clock& clock, const std::string& values);
   MPI_Comm comm() const { return comm_; }
