@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace trevi {
 namespace HWY_NAMESPACE {
 
-// A vector of particles of a cell; the lanes of `valid` hold a particle.
+// A vector of particles of a cell.
 struct ParticleVectors {
   V3 path;     // p − x, m
   V3 surface;  // surface position, in cells from the corner of the cell
