@@ -14,8 +14,8 @@ CellGrid::CellGrid(const Vec3& min, const Vec3& max, Real h, int slab_axis, cons
     count_[k] = std::max(1, static_cast<LocalId>(std::min(std::floor(extent / h * (1 + 1e-12)), 2e9)));
     per_length_[k] = count_[k] / extent;
     periodic_[k] = periodic[static_cast<std::size_t>(axis_[k])];
-    // Along periodic axes positions have about 46 bits (boundary/periodic_domain.hpp): one on a cell's lower face is in this cell
-    // despite rounding.
+    // Along periodic axes positions have about 46 bits (boundary/periodic_domain.hpp): one on a cell's lower face is in
+    // this cell despite rounding.
     if (periodic_[k]) per_length_[k] *= 1 + 0x1p-50;
     length_[k] = extent;
   }
