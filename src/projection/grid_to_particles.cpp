@@ -272,10 +272,10 @@ std::array<Real, 3> GridToParticles::mean_path(std::size_t at) const {
 // phi. Without this the upward displacement was that of a point one path ahead of the level that causes it, and waves
 // of 1 m on a current of 1 m/s grew or decayed by a tenth in a second at 1/120 s. What is pulled back (pull_back())
 // acts at the middle of the path. The upward displacement is an exception: it follows from the level and thus belongs
-// to the beginning of the path. Otherwise waves around water that rotates in a cylinder of R = 20 s grew by half to
-// twice in each turn at 1/120 and 1/60 s. Under gravity horizontal displacements are moved back by the upward path only
-// as far as they are pulled back: with all of them, waves of 3 spacings from a piston lost 1.1 % of their height per
-// wavelength and were 1.2 % too short; with none, the breaking dam was 0.207 % too thin instead of 0.172.
+// to the beginning of the path. Otherwise waves around water that rotates in a cylinder of R = 20 s grew by a factor
+// of 1.7 in each turn at 1/120 s. Under gravity horizontal displacements are moved back by the upward path only as far
+// as they are pulled back: with all of them, waves of 3 spacings from a piston lost 1.1 % of their height per wavelength
+// and were 1.2 % too short; with none, the breaking dam was 0.207 % too thin instead of 0.172.
 void GridToParticles::move_back_across(const Pressure& pressure, LocalId k, LocalId r, LocalId c,
                                        CellDisplacement& by) const {
   const ProjectionGrid& grid = surface_.grid();
