@@ -103,12 +103,16 @@ bool FreeSurface::is_full_enough(const Place& place, Real least) const {
   return upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
 }
 
-// Whether a cell without particles holds no more than the particles on one side of it can contribute. Such a cell is
-// air: nothing determines the motion of its outer faces, and if they stood still, water that moves as a whole would run
-// against them.
+// Such a cell is air: nothing determines the motion of its outer faces, and if they stood still, water that moves as a
+// whole would run against them.
 bool FreeSurface::is_beside_water(const Place& place, std::size_t at) const {
-  if (fill_[at] > (1 + told_rounding) * water().told_from_one_side()) return false;
-  return !(cuts() != nullptr && cuts()->is_near(at)) && !water().holds_any(place.k, place.r, place.c);
+  return !(cuts() != nullptr && cuts()->is_near(at)) && is_reached_into(place, fill_[at]);
+}
+
+// Whether a cell has no particles, and its water, `volume` in cells, is no more than the particles on one side of it
+// can contribute.
+bool FreeSurface::is_reached_into(const Place& place, Real volume) const {
+  return volume <= (1 + told_rounding) * water().told_from_one_side() && !water().holds_any(place.k, place.r, place.c);
 }
 
 // Water that reaches the ceiling has no surface: the cell past the last one counts as wet.

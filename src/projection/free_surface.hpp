@@ -107,6 +107,7 @@ class FreeSurface {
   void close_ceiling(LocalId k, LocalId r);
   bool is_full_enough(const Place& place, Real least) const;
   bool is_beside_water(const Place& place, std::size_t at) const;
+  bool is_reached_into(const Place& place, Real volume) const;
   // Among obstacles; see free_surface_cut.cpp.
   Real min_wet_fill(std::size_t at, LocalId c) const;
   void classify_among_solids(Halo& halo);

@@ -155,8 +155,7 @@ bool FreeSurface::is_pocket(const Place& place) const {
 // gap, which holds no more than what the particles on one side of it contribute.
 bool FreeSurface::is_run_into(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
-  if (!cuts()->is_driven(at) || is_small(at) || water().holds_any(place.k, place.r, place.c)) return false;
-  if (fill_[at] * cuts()->capacity(at) > (1 + told_rounding) * water().told_from_one_side()) return false;
+  if (!cuts()->is_driven(at) || is_small(at) || !is_reached_into(place, fill_[at] * cuts()->capacity(at))) return false;
   Real closing = 0;  // m, by the open parts of faces
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t below = at - grid().step(a), above = at + grid().step(a);
