@@ -57,6 +57,7 @@ CASES = {
     "piston": {"paddle": "piston", "height": 3, "dt": 1 / 60},
     "piston, half the step": {"paddle": "piston", "height": 3, "dt": 1 / 120},
     "piston, long tank": {"paddle": "piston", "height": 3, "dt": 1 / 60, "lengths": 11},
+    "piston, low": {"paddle": "piston", "height": 1.5, "dt": 1 / 60},
     "piston, high": {"paddle": "piston", "height": 4, "dt": 1 / 60},
     "flap": {"paddle": "flap", "height": 3, "dt": 1 / 60},
     "solitary": {"paddle": "piston", "height": 0.3 * LAYERS, "dt": 1 / 60},

@@ -105,9 +105,10 @@ class GridToParticles {
   void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
   bool is_water(std::size_t at) const { return surface_.is_wet(at) && !surface_.is_solid(at); }
   std::array<Real, 3> mean_path(std::size_t at) const;
+  bool mirrors(const CellFace& face, LocalId k, LocalId r, LocalId c) const;
   std::optional<Real> mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   Real change_of_rise(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
-  Real mixed_difference(const Pressure& pressure, std::size_t at) const;
+  Real mixed_difference(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   void move_back_across(const Pressure& pressure, LocalId k, LocalId r, LocalId c, CellDisplacement& by) const;
   Real moved(std::size_t a, std::size_t face) const;
   Real through_closed(const CellFace& face, LocalId k, LocalId r, LocalId c) const;

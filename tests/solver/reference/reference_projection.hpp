@@ -199,20 +199,19 @@ class ReferenceProjection : ReferencePressure {
     return share * (found.seen + more) + (1 - share) * found.begin;
   }
 
-  /// The mean upward displacement by the open faces of a cell in the water.
+  /// The mean upward displacement by the faces of a cell in the water; a floor and a ceiling bear the weight.
   std::optional<Real> mean_rise(const Cell& c) const {
-    std::vector<Real> faces;
-    for (const Cell& face : {c, Cell(c + unit(2))})
-      if (wet(c) && !is_wall(2, face)) faces.push_back(*through(2, face, c));
-    if (faces.empty()) return std::nullopt;
-    return std::accumulate(faces.begin(), faces.end(), 0.0) / static_cast<Real>(faces.size());
+    if (!wet(c)) return std::nullopt;
+    Real sum = 0;
+    for (const Cell& face : {c, Cell(c + unit(2))}) sum += is_wall(2, face) ? g_dt2_ : *through(2, face, c);
+    return sum / 2;
   }
   Eigen::Matrix3d mixed_derivatives(const Cell& c) const {
     Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();
     for (int a = 0; a < dimensions_ - 1; ++a) {
-      const Cell step = unit(a);
-      const auto low = is_wall(a, c) ? std::nullopt : mean_rise(c - step), own = mean_rise(c);
-      const auto high = is_wall(a, c + step) ? std::nullopt : mean_rise(c + step);
+      const Cell step = unit(a);  // beyond a wall the water is that before it, in a mirror
+      const auto own = mean_rise(c), low = is_wall(a, c) ? own : mean_rise(c - step);
+      const auto high = is_wall(a, c + step) ? own : mean_rise(c + step);
       Real change = 0;
       if (own && (low || high)) change = (high.value_or(*own) - low.value_or(*own)) / (low && high ? 2 : 1);
       mixed(a, 2) = mixed(2, a) = change / size_[a];
@@ -222,7 +221,9 @@ class ReferenceProjection : ReferencePressure {
     for (const int i : {-1, 1}) {
       for (const int j : {-1, 1}) {
         const Cell x = c + i * unit(0), y = c + j * unit(1), both = x + j * unit(1);
-        if (dimensions_ == 2 || !wet(x) || !wet(y) || !wet(both)) continue;
+        const bool mirror = is_wall(0, i < 0 ? c : x) || is_wall(1, j < 0 ? c : y);
+        if (mirror) ++edges;
+        if (dimensions_ == 2 || mirror || !wet(x) || !wet(y) || !wet(both)) continue;
         sum += i * j * ((*phi_)[both] - (*phi_)[x] - (*phi_)[y] + (*phi_)[c]);
         ++edges;
       }
@@ -242,9 +243,8 @@ class ReferenceProjection : ReferencePressure {
     path = (path.array().abs() < 1e-3).select(0, path).cwiseProduct(size_);
     Eigen::Matrix3d mixed = mixed_derivatives(c);
     const Real pulled = pulled_share(found, c), midway = 1 - pulled / 2;
-    mixed.topLeftCorner<2, 2>() *= midway;
-    if (upright()) mixed.topRightCorner<2, 1>() *= pulled * midway;  // by the upward path
-    return -mixed * path;
+    if (is_top(c)) mixed.topRightCorner<2, 1>() *= pulled;  // by the upward path
+    return -midway * mixed * path;
   }
 
   Displacement displacement(const Particle& i, const Vec3& damping) const {
