@@ -8,11 +8,11 @@
 namespace trevi {
 namespace {
 
-const Box box{Vec3(0, 0, 0), Vec3(1, 2, 4)};
+const Box tank{Vec3(0, 0, 0), Vec3(1, 2, 4)};
 constexpr Real hair = 1e-6;
 
 Walls walls(Real restitution, Reflection reflection) {
-  return Walls(box, {restitution, WallDensity::none, reflection}, hair);
+  return Walls(tank, {restitution, WallDensity::none, reflection}, hair);
 }
 
 void expect_near(const Vec3& found, const Vec3& expected) {
@@ -45,8 +45,8 @@ TEST(Walls, RestitutionZero) {
 TEST(Walls, EveryWallIsMet) {
   for (int a = 0; a < 3; ++a) {
     for (const int side : {-1, 1}) {
-      Vec3 p = (box.min + box.max) / 2, expected = p;
-      const Real plane = side > 0 ? box.max[a] : box.min[a];
+      Vec3 p = (tank.min + tank.max) / 2, expected = p;
+      const Real plane = side > 0 ? tank.max[a] : tank.min[a];
       p[a] = plane - side * 0.25;
       expected[a] = plane - side * 0.125;
       expect_near(walls(0.5, Reflection::normal).predict(p, side * 2 * Vec3::Unit(a), 0.25), expected);
@@ -94,7 +94,7 @@ TEST(Walls, NothingLeavesTheBox) {
   for (int k = 0; k < 4000; ++k) {
     Vec3 p, v;
     for (int a = 0; a < 3; ++a) {
-      p[a] = std::clamp(0.75 * (number(random) + 1) - 0.25, 0.0, 1.0) * box.max[a];  // a third on the walls
+      p[a] = std::clamp(0.75 * (number(random) + 1) - 0.25, 0.0, 1.0) * tank.max[a];  // a third on the walls
       v[a] = number(random) * std::pow(10, 9 * number(random));
     }
     for (const Reflection reflection : {Reflection::normal, Reflection::report}) {

@@ -291,9 +291,9 @@ TEST(Viscosity, AStandingWaveDecaysAsLambSays) {
     std::vector<Real> largest(11);
     const Real half = pi / omega, dt = run.scene.dt;
     run.steps(static_cast<int>(10 * half / dt));
-    for (std::size_t k = 0; k < run.rows.size(); ++k) {
-      Real& most = largest[static_cast<std::size_t>(static_cast<Real>(k) * dt / half)];
-      most = std::max(most, std::abs(run.rows[k].com.x() - 1));
+    for (std::size_t n = 0; n < run.rows.size(); ++n) {
+      Real& most = largest[static_cast<std::size_t>(static_cast<Real>(n) * dt / half)];
+      most = std::max(most, std::abs(run.rows[n].com.x() - 1));
     }
     return std::log(largest[1] / largest[9]) / (8 * half);
   };

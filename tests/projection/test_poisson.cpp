@@ -111,9 +111,9 @@ TEST(Poisson, IsOfSecondOrderBelowAFreeSurface) {
                        }};
   std::vector<Real> all, beside;
   for (const Real spacing : {0.1, 0.05, 0.025}) {
-    const Box box{Vec3::Zero(), Vec3(length, 0.4, 2.13)};
+    const Box basin{Vec3::Zero(), Vec3(length, 0.4, 2.13)};
     Water water([&](const Vec3& p) { return Vec3(-exact.gradient(p)); },
-                {.top = height, .at = 0, .box = box, .spacing = spacing});
+                {.top = height, .at = 0, .box = basin, .spacing = spacing});
     Stages stages(water, spacing);
     const Errors errors =
         errors_of(stages, exact, size / height, [&](std::size_t at) { return stages.surface->is_top(at); });
@@ -174,8 +174,8 @@ TEST(Poisson, IsOfSecondOrderInCutCells) {
     vessel.radius = radius;
     vessel.height = 4;
     settings = resolved(settings);
-    const Real h = 2 * spacing;
-    Obstacles obstacles(settings, Walls(settings.domain, settings.walls, 1e-6 * h), std::nullopt);
+    const Real cell = 2 * spacing;
+    Obstacles obstacles(settings, Walls(settings.domain, settings.walls, 1e-6 * cell), std::nullopt);
     Water water([&](const Vec3& p) { return Vec3(-exact.gradient(p)); },
                 {.top = height, .at = 0, .box = settings.domain, .spacing = spacing, .holds = [&](const Vec3& p) {
                    return (p - centre).head<2>().norm() < radius;

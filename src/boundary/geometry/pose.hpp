@@ -16,8 +16,8 @@ using Rotation = Eigen::Matrix3d;
 struct Pose {
   Vec3 center = Vec3::Zero();
   Rotation turn = Rotation::Identity();
-  Vec3 into_body(const Vec3& world) const {
-    const Vec3 away = world - center;
+  Vec3 into_body(const Vec3& p) const {
+    const Vec3 away = p - center;
     return turn.transpose().lazyProduct(away);  // without a function call
   }
   Vec3 into_world(const Vec3& body) const { return center + turn * body; }
