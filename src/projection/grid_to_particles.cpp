@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace trevi {
 
@@ -26,6 +27,8 @@ Real bounded(Real by_slope, Real by_mean) {
 }
 
 namespace {
+
+constexpr Real unknown = std::numeric_limits<Real>::quiet_NaN();
 
 AffineMap times(AffineMap map, Real factor) {
   map.weight *= factor;
@@ -210,11 +213,22 @@ bool GridToParticles::mirrors(const CellFace& face, LocalId k, LocalId r, LocalI
   return surface_.is_closed(face, k, r, c) && !surface_.is_cut(surface_.grid().index(k, r, c));
 }
 
+void GridToParticles::find_mean_rises(const Pressure& pressure) {
+  const ProjectionGrid& grid = surface_.grid();
+  mean_rise_ = grid.scratch().borrow_briefly<Real>(grid.cells());
+  mean_rise_.fill(unknown);
+  for_each_row(grid.rows_and_ghosts_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
+    if (!grid.has_row(r)) return;
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) mean_rise_[grid.index(k, r, c)] = mean_rise(pressure, k, r, c);
+  });
+  grid.repeat(mean_rise_);
+}
+
 // For a cell in the water, the mean upward displacement at its lower and upper face. A floor and a ceiling bear the
 // weight; a solid that cuts the cell is left out.
-std::optional<Real> GridToParticles::mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const {
+Real GridToParticles::mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const {
   const std::size_t at = surface_.grid().index(k, r, c);
-  if (!is_water(at)) return std::nullopt;
+  if (!is_water(at)) return unknown;
   Real sum = 0;
   int faces = 0;
   for (const bool upper : {false, true}) {
@@ -228,24 +242,24 @@ std::optional<Real> GridToParticles::mean_rise(const Pressure& pressure, LocalId
     }
     ++faces;
   }
-  return faces > 0 ? std::optional(sum / faces) : std::nullopt;
+  return faces > 0 ? sum / faces : unknown;
 }
 
 // The change of the upward displacement from cell to cell along a, m.
-Real GridToParticles::change_of_rise(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const {
+Real GridToParticles::change_of_rise(std::size_t a, LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
-  const auto beyond = [&](bool upper) -> std::optional<Real> {
+  const std::size_t at = grid.index(k, r, c);
+  const auto beyond = [&](bool upper) {
     const CellFace face{a, upper};
-    if (mirrors(face, k, r, c)) return mean_rise(pressure, k, r, c);
-    if (grid.is_wall(face, k, r, c)) return std::nullopt;
-    const LocalId step = upper ? 1 : -1;
-    return mean_rise(pressure, k + (a == 0 ? step : 0), r + (a == 1 ? step : 0), c);
+    if (mirrors(face, k, r, c)) return mean_rise_[at];
+    if (grid.is_wall(face, k, r, c)) return unknown;
+    return mean_rise_[upper ? at + grid.step(a) : at - grid.step(a)];
   };
-  const std::optional<Real> low = beyond(false), high = beyond(true);
-  if (low && high) return (*high - *low) / 2;
-  const std::optional<Real> own = low || high ? mean_rise(pressure, k, r, c) : std::nullopt;
-  if (!own) return 0;
-  return low ? *own - *low : *high - *own;
+  const Real low = beyond(false), high = beyond(true), own = mean_rise_[at];
+  const bool low_known = !std::isnan(low), high_known = !std::isnan(high);
+  if (low_known && high_known) return (high - low) / 2;
+  if (std::isnan(own) || (!low_known && !high_known)) return 0;
+  return low_known ? own - low : high - own;
 }
 
 // The mixed difference of phi along planes and rows, m², averaged over the edges of a cell around which all four cells
@@ -308,7 +322,7 @@ void GridToParticles::move_back_across(const Pressure& pressure, LocalId k, Loca
   const Real upward = is_cut ? 0 : path[2] * midway * (surface_.is_top(at) ? pulled : 1);
   for (std::size_t a = 0; a < 2; ++a) {
     if ((path[a] == 0 && upward == 0) || (a == 1 && grid.is_layer())) continue;
-    const Real change = change_of_rise(pressure, a, k, r, c);
+    const Real change = change_of_rise(a, k, r, c);
     by.offset[grid.axis(2)] -= path[a] * change * (is_cut ? 1 : midway);
     by.offset[grid.axis(a)] -= upward * change * grid.size()[2] / grid.size()[static_cast<Eigen::Index>(a)];
   }

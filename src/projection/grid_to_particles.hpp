@@ -60,6 +60,9 @@ class GridToParticles {
   /// Among obstacles, once the pressure is known: finds the change of its displacement across the cells beside them, in
   /// memory that is borrowed until give_back(). Collective.
   void find_rises(const Pressure& pressure, Halo& halo);
+  /// Once the pressure is known: finds the mean upward displacement in each cell, in memory that is borrowed until
+  /// give_back().
+  void find_mean_rises(const Pressure& pressure);
   /// The damping in a row of cells: maps whose `weight` is the share that a particle loses of its own motion. There is
   /// one for each part of a loop that threads share, in which the rows come in their order.
   struct Damping {
@@ -79,6 +82,7 @@ class GridToParticles {
   void give_back() {
     cut_fit_.give_back();
     for (Borrowed<Real>& of : rise_) of.give_back();
+    mean_rise_.give_back();
   }
   std::size_t bytes() const { return closed_.bytes(); }
 
@@ -106,8 +110,8 @@ class GridToParticles {
   bool is_water(std::size_t at) const { return surface_.is_wet(at) && !surface_.is_solid(at); }
   std::array<Real, 3> mean_path(std::size_t at) const;
   bool mirrors(const CellFace& face, LocalId k, LocalId r, LocalId c) const;
-  std::optional<Real> mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
-  Real change_of_rise(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
+  Real mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
+  Real change_of_rise(std::size_t a, LocalId k, LocalId r, LocalId c) const;
   Real mixed_difference(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   void move_back_across(const Pressure& pressure, LocalId k, LocalId r, LocalId c, CellDisplacement& by) const;
   Real moved(std::size_t a, std::size_t face) const;
@@ -129,6 +133,7 @@ class GridToParticles {
   // Along planes and along rows the difference of the pressure's displacement between the upper and the lower face of a
   // cell, m, where both are open and in the water, else 0; for cells beside solids.
   std::array<Borrowed<Real>, 2> rise_;
+  Borrowed<Real> mean_rise_;  // upwards, of cells in the water, m; otherwise not a number
 };
 
 }  // namespace trevi

@@ -72,6 +72,7 @@ void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion&
   particles_to_grid_.keep_means();
   solve(order, halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
   grid_to_particles_.find_rises(pressure_, halo);
+  grid_to_particles_.find_mean_rises(pressure_);
   if (openings_ != nullptr) {
     const Real particles = grid_.size().prod() / (model_.spacing * model_.spacing * model_.spacing);
     for (const Pressure::Inflow& one : pressure_.inflow()) {
