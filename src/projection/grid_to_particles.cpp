@@ -1,6 +1,7 @@
 #include "projection/grid_to_particles.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -208,7 +209,8 @@ void GridToParticles::pull_back_beyond_weight(std::size_t cell, CellDisplacement
   pull_back(motion, surface_.grid().per_length(), std::clamp(middle.z(), 0.0, step_.g_dt2), share, by);
 }
 
-// Whether phi is alike on either side of a face: nothing flows through it, and no inclined solid is near.
+// Whether phi is taken to be mirrored at a face: at a closed one of a cell that no solid cuts. What flows through it
+// from an opening, and the motion of a solid, are left out.
 bool GridToParticles::mirrors(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
   return surface_.is_closed(face, k, r, c) && !surface_.is_cut(surface_.grid().index(k, r, c));
 }
@@ -224,8 +226,8 @@ void GridToParticles::find_mean_rises(const Pressure& pressure) {
   grid.repeat(mean_rise_);
 }
 
-// For a cell in the water, the mean upward displacement at its lower and upper face. A floor and a ceiling bear the
-// weight; a solid that cuts the cell is left out.
+// For a cell in the water, the mean upward displacement at its lower and upper face. At a floor and a ceiling it is
+// taken to be that of water at rest; a face that is closed by a solid which cuts the cell is left out.
 Real GridToParticles::mean_rise(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const {
   const std::size_t at = surface_.grid().index(k, r, c);
   if (!is_water(at)) return unknown;
@@ -249,6 +251,7 @@ Real GridToParticles::mean_rise(const Pressure& pressure, LocalId k, LocalId r, 
 Real GridToParticles::change_of_rise(std::size_t a, LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
+  assert(!mean_rise_.empty());
   const auto beyond = [&](bool upper) {
     const CellFace face{a, upper};
     if (mirrors(face, k, r, c)) return mean_rise_[at];
@@ -304,13 +307,13 @@ std::array<Real, 3> GridToParticles::mean_path(std::size_t at) const {
 // the mean path of the cell, as far as volumes are (max_path), using its changes across, which are mixed derivatives of
 // phi. Without this the upward displacement was that of a point one path ahead of the level that causes it, and waves
 // of 1 m on a current of 1 m/s grew or decayed by a tenth in a second at 1/120 s. What is pulled back (pull_back())
-// acts at the middle of the path. Cells that solids cut are an exception, in which all is pulled back: there the upward
-// displacement follows from the level and thus belongs to the beginning of the path. Otherwise waves around water that
-// rotates in a cylinder of R = 20 s grew by a factor of 1.7 in each turn at 1/120 s. In top cells the horizontal
-// displacement follows from the levels and is alike at any height. There it is moved back by the upward path only as
-// far as it is pulled back: with all of it, waves of 3 spacings from a piston lost 1.3 % of their height per wavelength
-// and were 1.2 % too short. Without the upward path elsewhere, waves drive water forwards at the surface and backwards
-// below it, by 0.04 m/s in 25 periods of waves of a height of 0.05 of their length at 1/60 s.
+// acts at the middle of the path. Under gravity, cells that solids cut are an exception: there the upward displacement
+// follows from the level and thus belongs to the beginning of the path, and the upward path takes no part. Otherwise
+// waves around water that rotates in a cylinder of R = 20 s grew by a factor of 1.7 in each turn at 1/120 s. In top
+// cells the horizontal displacement follows from the levels and is alike at any height. There it is moved back by the
+// upward path only as far as it is pulled back: with all of it, waves of 3 spacings from a piston lost 1.3 % of their
+// height per wavelength and were 1.2 % too short. Without the upward path elsewhere, waves drive water forwards at the
+// surface and backwards below it, by 0.04 m/s in 25 periods of waves of a height of 0.05 of their length at 1/60 s.
 void GridToParticles::move_back_across(const Pressure& pressure, LocalId k, LocalId r, LocalId c,
                                        CellDisplacement& by) const {
   const ProjectionGrid& grid = surface_.grid();
@@ -332,8 +335,7 @@ void GridToParticles::move_back_across(const Pressure& pressure, LocalId k, Loca
   by.offset[grid.axis(1)] -= path[0] * change / grid.size()[1];
 }
 
-CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r,
-                                                        LocalId c) const {
+CellDisplacement GridToParticles::between_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
   const bool above = follows(at);
@@ -348,7 +350,15 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
     by.low[grid.axis(a)] = faces[a].low;
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;
   }
-  pull_back_beyond_weight(cell, by);
+  return by;
+}
+
+CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r,
+                                                        LocalId c) const {
+  const std::size_t at = surface_.grid().index(k, r, c);
+  CellDisplacement by = between_faces(pressure, k, r, c);
+  if (!displaces(at)) return by;
+  pull_back_beyond_weight(follows(at) ? at - 1 : at, by);
   move_back_across(pressure, k, r, c, by);
   return by;
 }

@@ -76,7 +76,10 @@ class GridToParticles {
   /// Whether particles of a cell are displaced. Without gravity those of dry cells are, too, by those of their faces
   /// that are known.
   bool displaces(std::size_t at) const { return !surface_.upright() || surface_.is_wet(at) || follows(at); }
-  /// The displacement by the faces alone, without damping and without the fade at the surface.
+  /// The displacement of a cell, linear between the faces of each direction, as found. Needs the pressure so far alone,
+  /// and no other result of this class but those of prepare() and, at obstacles, find_rises().
+  CellDisplacement between_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
+  /// The same where it acts (README.md), after find_mean_rises(), without damping and without the fade at the surface.
   CellDisplacement displacement_by_faces(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   /// To be called when all particles have been displaced.
   void give_back() {

@@ -153,8 +153,7 @@ Vec3 RecordBeside::of_body(LocalId k, LocalId r, LocalId c, const CellOrder& ord
   const CellParticles cell = particles_of(k, r, c, order);
   const bool across = is_at_surface(here) || !is_under_water(k, r, c);
   Vec3 given = Vec3::Zero();
-  if (cell.begin < cell.end)
-    given = of_full(from_.transfer.displacement_by_faces(from_.pressure, k, r, c), k, r, c, across);
+  if (cell.begin < cell.end) given = of_full(from_.transfer.between_faces(from_.pressure, k, r, c), k, r, c, across);
   return given - of_pressure(k, r, c, across).shift;
 }
 

@@ -3,8 +3,6 @@
 // Not collective.
 #pragma once
 
-#include <numeric>
-
 #include "reference_pressure.hpp"
 
 namespace trevi::test {
@@ -232,7 +230,8 @@ class ReferenceProjection : ReferencePressure {
     return mixed;
   }
   /// Across its direction a displacement is that at the ends of paths, but for this: moved back by the mean path of the
-  /// cell; what is pulled back by half of it, but for the part that goes with the level.
+  /// cell; what is pulled back by half of it. In top cells the horizontal part is moved back by the upward path only as
+  /// far as it is pulled back.
   Vec3 back_across(const Found& found, const Cell& c) const {
     const std::vector<std::size_t>& here = (*members_)[c];
     if (!wet(c) || static_cast<Real>(here.size()) * std::pow(s_, 3) < 0.375 * size_.prod()) return Vec3::Zero();
