@@ -255,6 +255,7 @@ Damped damped(const Field& motion) {
   at.classify();
   at.back->prepare(water.near.halo(), {1, 0.1});  // nothing exceeds that weight, nor is pulled back
   at.solve(0);
+  at.back->find_mean_rises(at.pressure);
   GridToParticles::Damping damping;
   Damped sums;
   at.for_each_cell([&](LocalId k, LocalId r, LocalId c) {
