@@ -234,14 +234,9 @@ Real GridToParticles::mean_rise(const Pressure& pressure, LocalId k, LocalId r, 
   Real sum = 0;
   int faces = 0;
   for (const bool upper : {false, true}) {
-    const CellFace face{2, upper};
-    if (mirrors(face, k, r, c)) {
-      sum += step_.g_dt2;
-    } else if (!surface_.is_closed(face, k, r, c)) {
-      sum += pressure.displacement(surface_, 2, upper ? at + 1 : at);
-    } else {
-      continue;
-    }
+    const bool closed = surface_.is_closed({2, upper}, k, r, c);
+    if (closed && surface_.is_cut(at)) continue;
+    sum += closed ? step_.g_dt2 : pressure.displacement(surface_, 2, upper ? at + 1 : at);
     ++faces;
   }
   return faces > 0 ? sum / faces : unknown;

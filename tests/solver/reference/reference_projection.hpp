@@ -197,7 +197,7 @@ class ReferenceProjection : ReferencePressure {
     return share * (found.seen + more) + (1 - share) * found.begin;
   }
 
-  /// The mean upward displacement by the faces of a cell in the water; a floor and a ceiling bear the weight.
+  /// The mean upward displacement by the faces of a cell in the water; at a floor and a ceiling that of water at rest.
   std::optional<Real> mean_rise(const Cell& c) const {
     if (!wet(c)) return std::nullopt;
     Real sum = 0;
