@@ -27,11 +27,6 @@ void for_each_cell_in(const ProjectionGrid& grid, const Box& bounds, const Visit
   }
 }
 
-// Whether row r of plane k belongs to this rank or is adjacent to one that does.
-bool is_known(const ProjectionGrid& grid, LocalId k, LocalId r) {
-  return k >= 0 && k <= grid.planes() + 1 && r >= -1 && r <= grid.rows();
-}
-
 // The number of samples of a cell, two along each axis, that lie in a drain's region.
 int taken_of(const std::function<bool(const Vec3&)>& takes, const Vec3& corner, const Vec3& size) {
   int taken = 0;
@@ -79,8 +74,11 @@ void Openings::find_drained(const ProjectionGrid& grid) {
     });
     find_wall(grid, first);
     const auto begin = drained_cells_.begin() + static_cast<std::ptrdiff_t>(first);
-    std::for_each(begin, drained_cells_.end(),
-                  [&](Drained& one) { one.empty = one.out < 0 && taken_in(one.cell) == whole; });
+    std::for_each(begin, drained_cells_.end(), [&](Drained& one) {
+      one.whole = taken_in(one.cell) == whole;
+      one.empty = one.whole && one.out < 0;
+    });
+    find_layers(first);
     const auto inner = [&](const Drained& one) { return one.empty && is_inner(one.cell); };
     drained_cells_.erase(std::remove_if(begin, drained_cells_.end(), inner), drained_cells_.end());
   }
@@ -112,10 +110,18 @@ void Openings::find_wall(const ProjectionGrid& grid, std::size_t first) {
   }
 }
 
+// Marks the cells from number `first` on if they are a single layer that is not at a wall of the box.
+void Openings::find_layers(std::size_t first) {
+  const auto in_layer = [&](const Drained& one) { return one.out < 0 && one.cell[2] == drained_cells_[first].cell[2]; };
+  const auto begin = drained_cells_.begin() + static_cast<std::ptrdiff_t>(first);
+  const bool layered = std::all_of(begin, drained_cells_.end(), in_layer);
+  std::for_each(begin, drained_cells_.end(), [&](Drained& one) { one.layered = layered; });
+}
+
 void Openings::close_sides(const ProjectionGrid& grid, const Borrowed<char>& wet) {
   for (const std::size_t at : closed_at_) closed_[at] = 0;
   closed_at_.clear();
-  for (const auto& [cell, out, up, empty] : drained_cells_) {
+  for (const auto& [cell, out, up, whole, empty, layered] : drained_cells_) {
     const LocalId k = grid.own_plane(cell[0]), r = grid.own_row(cell[1]), towards = up ? 1 : -1;
     if (out < 0 || empty || !is_known(grid, k, r) || cell[2] >= grid.columns()) continue;
     if (!is_known(grid, k + (out == 0 ? towards : 0), r + (out == 1 ? towards : 0))) continue;
@@ -135,9 +141,12 @@ void Openings::close(std::size_t a, std::size_t at) {
   closed_at_.push_back(at);
 }
 
-void Openings::measure(const ProjectionGrid& grid) {
-  if (!found_) find_drained(grid);
-  found_ = true;
+// Whether row r of plane k belongs to this rank or is adjacent to one that does.
+bool Openings::is_known(const ProjectionGrid& grid, LocalId k, LocalId r) {
+  return k >= 0 && k <= grid.planes() + 1 && r >= -1 && r <= grid.rows();
+}
+
+void Openings::measure_cells(const ProjectionGrid& grid) {
   if (drained_.size() != grid.cells()) {
     drained_.assign(grid.cells(), 0);
     closed_.assign(grid.cells(), 0);
