@@ -103,6 +103,8 @@ class CutCells {
   bool any_floats() const { return obstacles_.floating() != nullptr; }
   /// Whether it has a prescribed motion.
   bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
+  /// Whether an obstacle that does not move fills the cell.
+  bool is_filled_at_rest(std::size_t at) const { return open(at) == 0 && !floats(at) && !is_driven(at); }
   /// Whether it moves in the water, freely or as prescribed, and is not a vessel that holds the water.
   bool moves_in_water(std::size_t at) const {
     return floats(at) || (is_driven(at) && !obstacles_.body(nearest(at)).is_vessel());

@@ -27,6 +27,11 @@ void for_each_cell_in(const ProjectionGrid& grid, const Box& bounds, const Visit
   }
 }
 
+// Whether row r of plane k belongs to this rank or is adjacent to one that does.
+bool is_known(const ProjectionGrid& grid, LocalId k, LocalId r) {
+  return k >= 0 && k <= grid.planes() + 1 && r >= -1 && r <= grid.rows();
+}
+
 // The number of samples of a cell, two along each axis, that lie in a drain's region.
 int taken_of(const std::function<bool(const Vec3&)>& takes, const Vec3& corner, const Vec3& size) {
   int taken = 0;
@@ -74,21 +79,17 @@ void Openings::find_drained(const ProjectionGrid& grid) {
     });
     find_wall(grid, first);
     const auto begin = drained_cells_.begin() + static_cast<std::ptrdiff_t>(first);
-    std::for_each(begin, drained_cells_.end(), [&](Drained& one) {
-      one.whole = taken_in(one.cell) == whole;
-      one.empty = one.whole && one.out < 0;
-    });
-    find_layers(first);
-    const auto inner = [&](const Drained& one) { return one.empty && is_inner(one.cell); };
+    std::for_each(begin, drained_cells_.end(), [&](Drained& one) { one.whole = taken_in(one.cell) == whole; });
+    const auto inner = [&](const Drained& one) { return one.is_empty() && is_inner(one.cell); };
     drained_cells_.erase(std::remove_if(begin, drained_cells_.end(), inner), drained_cells_.end());
   }
 }
 
-// For the cells of a drain, those from number `first` on: a hole is one cell thick and has exactly one wall of the box
-// behind it.
+// For the cells of a drain, those from number `first` on: a hole in a wall is one cell thick and has exactly one wall
+// of the box behind it.
 void Openings::find_wall(const ProjectionGrid& grid, std::size_t first) {
   int walls = 0, out = -1;
-  bool up = false;
+  bool up = false, layer = false;
   for (std::size_t a = 0; a < 3; ++a) {
     if (grid.repeats()[a] || (a == 1 && grid.is_layer())) continue;
     LocalId least = grid.count(a), most = 0;
@@ -96,6 +97,7 @@ void Openings::find_wall(const ProjectionGrid& grid, std::size_t first) {
       least = std::min(least, drained_cells_[n].cell[a]);
       most = std::max(most, drained_cells_[n].cell[a]);
     }
+    layer = a == 2 && least == most;
     const bool low = least == 0, high = most + 1 == grid.count(a);
     if (low == high) continue;  // no wall, or from wall to wall
     ++walls;
@@ -103,27 +105,23 @@ void Openings::find_wall(const ProjectionGrid& grid, std::size_t first) {
     out = static_cast<int>(a);
     up = low;
   }
-  if (walls != 1) return;
   for (std::size_t n = first; n < drained_cells_.size(); ++n) {
+    drained_cells_[n].layer = walls == 0 && layer;
+    if (walls != 1) continue;
     drained_cells_[n].out = out;
     drained_cells_[n].up = up;
   }
 }
 
-// Marks the cells from number `first` on if they are a single layer that is not at a wall of the box.
-void Openings::find_layers(std::size_t first) {
-  const auto in_layer = [&](const Drained& one) { return one.out < 0 && one.cell[2] == drained_cells_[first].cell[2]; };
-  const auto begin = drained_cells_.begin() + static_cast<std::ptrdiff_t>(first);
-  const bool layered = std::all_of(begin, drained_cells_.end(), in_layer);
-  std::for_each(begin, drained_cells_.end(), [&](Drained& one) { one.layered = layered; });
-}
-
 void Openings::close_sides(const ProjectionGrid& grid, const Borrowed<char>& wet) {
   for (const std::size_t at : closed_at_) closed_[at] = 0;
   closed_at_.clear();
-  for (const auto& [cell, out, up, whole, empty, layered] : drained_cells_) {
+  for (const Drained& drained : drained_cells_) {
+    const Cell& cell = drained.cell;
+    const int out = drained.out;
+    const bool up = drained.up;
     const LocalId k = grid.own_plane(cell[0]), r = grid.own_row(cell[1]), towards = up ? 1 : -1;
-    if (out < 0 || empty || !is_known(grid, k, r) || cell[2] >= grid.columns()) continue;
+    if (out < 0 || !is_known(grid, k, r) || cell[2] >= grid.columns()) continue;
     if (!is_known(grid, k + (out == 0 ? towards : 0), r + (out == 1 ? towards : 0))) continue;
     const std::size_t at = grid.index(k, r, cell[2]), step = grid.step(static_cast<std::size_t>(out));
     if (wet[up ? at + step : at - step] == 0) continue;
@@ -141,12 +139,16 @@ void Openings::close(std::size_t a, std::size_t at) {
   closed_at_.push_back(at);
 }
 
-// Whether row r of plane k belongs to this rank or is adjacent to one that does.
-bool Openings::is_known(const ProjectionGrid& grid, LocalId k, LocalId r) {
-  return k >= 0 && k <= grid.planes() + 1 && r >= -1 && r <= grid.rows();
+// The obstacle below a drained cell, or above it if it is not the highest one.
+void Openings::find_obstacle(const CutCells& cuts, std::size_t at, bool is_highest, Drained& drained) {
+  const bool below = cuts.is_filled_at_rest(at - 1), above = !is_highest && cuts.is_filled_at_rest(at + 1);
+  drained.out = below == above ? -1 : 2;
+  drained.up = below;
 }
 
-void Openings::measure_cells(const ProjectionGrid& grid) {
+void Openings::measure(const ProjectionGrid& grid, const CutCells* cuts) {
+  if (!found_) find_drained(grid);
+  found_ = true;
   if (drained_.size() != grid.cells()) {
     drained_.assign(grid.cells(), 0);
     closed_.assign(grid.cells(), 0);
@@ -159,13 +161,14 @@ void Openings::measure_cells(const ProjectionGrid& grid) {
   }
   marked_.clear();
   faces_.clear();
-  for (const Drained& drained : drained_cells_) {
+  for (Drained& drained : drained_cells_) {
     const auto [plane, row, c] = drained.cell;
     const LocalId k = grid.own_plane(plane), r = grid.own_row(row);
     if (!is_known(grid, k, r) || c >= grid.columns()) continue;
-    marked_.push_back(grid.index(k, r, c));
-    char& of_cell = drained_[marked_.back()];
-    if (of_cell != open_to_air) of_cell = drained.empty ? emptied : open_to_air;
+    const std::size_t at = grid.index(k, r, c);
+    if (cuts != nullptr && drained.layer && c > 0) find_obstacle(*cuts, at, c + 1 == grid.columns(), drained);
+    marked_.push_back(at);
+    if (drained_[at] != open_to_air) drained_[at] = drained.is_empty() ? emptied : open_to_air;
   }
   for (const WallOpening& wall : walls_) measure_wall(grid, wall);
   gains_.clear();

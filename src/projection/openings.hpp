@@ -1,9 +1,9 @@
 // Inflow and outflow as the projection sees them. The cells of a drain are open: they are dry and at air pressure,
 // whatever they hold, so that the water around them is pushed towards them. A drain that lies on one wall of the box
 // and is no thicker than a cell or two is a hole in that wall: water above it enters from above. So is a drain of a
-// single layer of cells on the horizontal face of an obstacle that ends with these cells. An opening in a wall of the
-// box is a part of that wall through which water flows with a given displacement; it is not a free surface. Not
-// collective.
+// single layer of cells, at no wall, on the horizontal face of an obstacle at rest that fills the cells behind it. An
+// opening in a wall of the box is a part of that wall through which water flows with a given displacement; it is not a
+// free surface. Not collective.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "projection/grid.hpp"
+#include "projection/cut_cells.hpp"
 
 namespace trevi {
 
@@ -47,15 +47,8 @@ class Openings {
     spacing_ = spacing;
   }
 
-  /// Finds the cells and faces of the openings in the present planes and columns of `grid`. `is_solid(at)`: whether an
-  /// obstacle fills the cell.
-  template <class IsSolid>
-  void measure(const ProjectionGrid& grid, const IsSolid& is_solid) {
-    if (!found_) find_drained(grid);
-    found_ = true;
-    for (Drained& drained : drained_cells_) find_obstacle(grid, is_solid, drained);
-    measure_cells(grid);
-  }
+  /// Finds the cells and faces of the openings in the present planes and columns of `grid`. `cuts` may be null.
+  void measure(const ProjectionGrid& grid, const CutCells* cuts);
 
   bool is_drained(std::size_t at) const { return drained_[at] == open_to_air; }
   /// Whether the cell is drained, or stays empty because a drain takes all of it, at the edge of the drain's region.
@@ -108,31 +101,20 @@ class Openings {
 
  private:
   using Cell = std::array<LocalId, 3>;  // of the box
-  // A drained cell. For a hole: the direction out of its wall, and whether that points upwards along this direction.
+  // A drained cell. For a hole: the direction out of its wall or obstacle, and whether that points upwards along this
+  // direction.
   struct Drained {
     Cell cell;
     int out = -1;
     bool up = false;
-    bool whole = false;    // whether a drain takes all of it
-    bool empty = false;    // whether that is so and it is not a hole
-    bool layered = false;  // whether the drain is a single layer of cells, which is a hole if it is on an obstacle
+    bool whole = false;  // whether a drain takes all of it
+    bool layer = false;  // whether the drain is a single layer of cells at no wall, which is a hole in an obstacle
+    bool is_empty() const { return whole && out < 0; }
   };
   static constexpr char open_to_air = 1, emptied = 2;  // of drained_
   void find_drained(const ProjectionGrid& grid);
   void find_wall(const ProjectionGrid& grid, std::size_t first);
-  void find_layers(std::size_t first);
-  template <class IsSolid>
-  void find_obstacle(const ProjectionGrid& grid, const IsSolid& is_solid, Drained& drained) const {
-    const LocalId k = grid.own_plane(drained.cell[0]), r = grid.own_row(drained.cell[1]), c = drained.cell[2];
-    if (!drained.layered || c < 1 || c >= grid.columns() || !is_known(grid, k, r)) return;
-    const std::size_t at = grid.index(k, r, c);
-    const bool below = is_solid(at - 1), above = c + 1 < grid.columns() && is_solid(at + 1);
-    drained.out = below == above ? -1 : 2;
-    drained.up = below;
-    drained.empty = drained.whole && drained.out < 0;
-  }
-  static bool is_known(const ProjectionGrid& grid, LocalId k, LocalId r);
-  void measure_cells(const ProjectionGrid& grid);
+  static void find_obstacle(const CutCells& cuts, std::size_t at, bool is_highest, Drained& drained);
   void close(std::size_t a, std::size_t at);
   void measure_wall(const ProjectionGrid& grid, const WallOpening& wall);
   void measure_face(const ProjectionGrid& grid, const WallOpening& wall, const Cell& cell);
