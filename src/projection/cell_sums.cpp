@@ -36,8 +36,8 @@ HWY_INLINE V part_beyond(const CellFrame& frame, V way, std::size_t a) {
 }
 
 // The fractions of each particle's volume below the cell along a, in the cell and above it.
-HWY_INLINE V3 parts(const CellFrame& frame, const ParticleVectors& particles, const ByAxis& corner, std::size_t a) {
-  const V mid = clamp(particles.surface[a], frame.nearest[a] - corner[a], frame.farthest[a] - corner[a]);
+HWY_INLINE V3 parts(const CellFrame& frame, const V3& places, const ByAxis& corner, std::size_t a) {
+  const V mid = clamp(places[a], frame.nearest[a] - corner[a], frame.farthest[a] - corner[a]);
   const V below = frame.floor[a] < corner[a] ? part_beyond(frame, mid, a) : set(0);
   const V above = frame.ceiling[a] > corner[a] + 1 ? part_beyond(frame, hn::Sub(set(1), mid), a) : set(0);
   return {below, hn::Sub(hn::Sub(set(1), below), above), above};
@@ -77,8 +77,9 @@ HWY_INLINE void add_particles(const CellFrame& frame, const Motion& motion, cons
     const ParticleVectors particles = load(frame, motion, cell, begin);
     add_motion<first>(particles, valid, lane, lanes);
     if constexpr (volumes) {
-      V3 x = parts(frame, particles, cell.place.corner, 0);
-      const V3 y = parts(frame, particles, cell.place.corner, 1), z = parts(frame, particles, cell.place.corner, 2);
+      const V3 places = places_of_volumes(frame, particles);
+      V3 x = parts(frame, places, cell.place.corner, 0);
+      const V3 y = parts(frame, places, cell.place.corner, 1), z = parts(frame, places, cell.place.corner, 2);
       for (V& part : x) part = hn::IfThenElseZero(valid, hn::Mul(part, set(frame.per_full)));
       for (std::size_t b = 0; b < 9; ++b) {
         const V xy = hn::Mul(x[b / 3], y[b % 3]);
@@ -112,9 +113,10 @@ MotionSums sum_motion_of(const CellFrame& frame, const Motion& motion, const Cel
   return std::bit_cast<MotionSums>(sums);
 }
 
-HWY_INLINE Vec4s displacements(const ParticleVectors& particles, const CellParticles& cell,
+HWY_INLINE Vec4s displacements(const CellFrame& frame, const ParticleVectors& particles, const CellParticles& cell,
                                const CellDisplacement& by) {
-  const V above = hn::Sub(particles.surface[2], set(by.surface - cell.place.corner[2]));
+  const V z = hn::Add(particles.y[2], set(frame.by_gravity));
+  const V above = hn::Sub(z, set(by.surface - cell.place.corner[2]));
   const V faded = clamp(hn::Sub(set(by.at_surface), hn::Mul(above, set(by.fade))), 0, 1);
   Vec4s out{zeros(), hn::Mul(faded, set(by.act))};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -132,7 +134,7 @@ void displace_cell_of(const CellFrame& frame, const Motion& motion, const CellPa
                       const CellDisplacement& by, Vec4<T>* out) {
   const std::size_t lanes = hn::Lanes(Wide());
   for (std::size_t i = cell.begin; i < cell.end; i += lanes, out += lanes)
-    store_vectors<T>(displacements(load(frame, motion, cell, i), cell, by), cell.end - i, out);
+    store_vectors<T>(displacements(frame, load(frame, motion, cell, i), cell, by), cell.end - i, out);
 }
 
 // Highway's dispatch does not support templates.

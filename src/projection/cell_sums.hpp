@@ -18,9 +18,12 @@ struct CellFrame {
   ByAxis per_length;   ///< cells per metre
   ByAxis flat, reach;  ///< the density of a particle is uniform up to `flat` from its centre and falls linearly to zero
                        ///< at `reach`, in cells
-  ByAxis nearest, farthest;  ///< limits of its centre, in cells from the corner of the box
-  ByAxis floor, ceiling;     ///< limits through which nothing extends, in cells from the corner of the box
-  Real per_full;             ///< volume of a particle, in cells
+  ByAxis nearest, farthest;   ///< limits of its centre, in cells from the corner of the box
+  ByAxis floor, ceiling;      ///< limits through which nothing extends, in cells from the corner of the box
+  Real per_full;              ///< volume of a particle, in cells
+  bool at_beginning = false;  ///< whether volumes are placed at the beginnings of paths, at most max_path before their
+                              ///< ends; otherwise in the middle of the paths as they would be without gravity
+  Real by_gravity = 0;        ///< half of the displacement by gravity, in cells
 };
 
 /// The positions, m, from which and to which the prediction, or a shift, moves the particles.
@@ -49,8 +52,7 @@ struct MotionSums {
   Real uu;                   ///< Σ |u|²
 };
 /// volume[i][j][k] is the volume that they fill of the cell (1, 1, 1) itself and of the 26 around it, in cells. A
-/// particle is placed at its surface position (FreeSurface), and the part that would be beyond a wall stays in the cell
-/// in front of it.
+/// particle is placed as CellFrame says, and the part that would be beyond a wall stays in the cell in front of it.
 struct CellSums {
   MotionSums motion;
   std::array<std::array<ByAxis, 3>, 3> volume;
@@ -61,9 +63,10 @@ MotionSums sum_motion(const CellFrame& frame, const Motion& motion, const CellPa
 
 /// The displacement of the particles of a cell, m. It is low + f · rise, separately in each direction (lowest-order
 /// Raviart–Thomas), plus offset + slope y − own u (pulling back and the damping of noise). f is the point of the path
-/// that lies before y by `back` times half of the path. The displacement fades out at the surface: at `surface`, in
-/// cells along z, its factor is `at_surface`, and it decreases by `fade` per cell above that. `act` is 1 where the grid
-/// acts, otherwise 0.
+/// that lies before y by `back` times half of the path. The displacement fades out at the surface: for a path whose
+/// middle, without gravity, is at `surface`, in cells along z, its factor is `at_surface`, and it decreases by `fade`
+/// per cell above that.
+/// `act` is 1 where the grid acts, otherwise 0.
 struct CellDisplacement {
   ByAxis low{}, rise{}, offset{};
   std::array<ByAxis, 3> slope{};

@@ -21,7 +21,6 @@ namespace HWY_NAMESPACE {
 // A vector of particles of a cell.
 struct ParticleVectors {
   V3 path;     // p − x, m
-  V3 surface;  // surface position, in cells from the corner of the cell
   V3 y, half;  // MotionSums; half of the path, in cells
 };
 
@@ -40,22 +39,32 @@ HWY_INLINE V3 load(std::span<const Vec3> field, std::size_t i) {
 
 HWY_INLINE ParticleVectors load(const CellFrame& frame, const Motion& motion, const CellParticles& cell,
                                 std::size_t i) {
-  constexpr Real max_half = projection::max_half_path, most = projection::max_path;
+  constexpr Real max_half = projection::max_half_path;
   const V3 p = load(motion.p, i), x = load(motion.x, i);
-  ParticleVectors particles{zeros(), zeros(), zeros(), zeros()};
-  V longest = set(most);
-  for (std::size_t a = 0; a < 3; ++a)
-    longest = hn::Max(longest, hn::Abs(hn::Mul(hn::Sub(p[a], x[a]), set(frame.per_length[a]))));
-  const V back = hn::Div(set(most), longest);
+  ParticleVectors particles{zeros(), zeros(), zeros()};
   for (std::size_t a = 0; a < 3; ++a) {
     const V in_cells = hn::Mul(hn::Sub(p[a], set(cell.place.origin[a])), set(frame.per_length[a]));
     const V here = hn::Sub(in_cells, set(cell.place.corner[a]));
     particles.path[a] = hn::Sub(p[a], x[a]);
     particles.half[a] = clamp(hn::Mul(particles.path[a], set(0.5 * frame.per_length[a])), -max_half, max_half);
     particles.y[a] = hn::Sub(here, particles.half[a]);
-    particles.surface[a] = hn::NegMulAdd(hn::Mul(particles.path[a], set(frame.per_length[a])), back, here);
   }
   return particles;
+}
+
+// Where the volumes of particles are placed, in cells from the corner of the cell.
+HWY_INLINE V3 places_of_volumes(const CellFrame& frame, const ParticleVectors& particles) {
+  V3 places = particles.y;
+  if (!frame.at_beginning) {
+    places[2] = hn::Add(places[2], set(frame.by_gravity));
+    return places;
+  }
+  constexpr Real max_path = projection::max_path;
+  V longest = set(max_path / 2);
+  for (const V half : particles.half) longest = hn::Max(longest, hn::Abs(half));
+  const V back = hn::Sub(hn::Div(set(max_path), longest), set(1));  // from y, in halves of the path
+  for (std::size_t a = 0; a < 3; ++a) places[a] = hn::NegMulAdd(particles.half[a], back, places[a]);
+  return places;
 }
 
 template <class T>

@@ -1,10 +1,9 @@
 // Fifth stage of the projection: it transfers the solution on the grid to the particles.
 //
 // *Pressure.* A particle takes the displacement of the faces of its cell, linear in between in each direction
-// (lowest-order Raviart–Thomas), at the beginning of its path: a force that acts there has no torque about a centre to
-// which it points. What exceeds the weight by half, and everything beyond the weight in cells that solids other than
-// bodies cut, acts by its gradient there (pull_back()). Above the surface it fades out, so that water thrown up falls
-// back.
+// (lowest-order Raviart–Thomas). It is found in the middle of its path and acts at the beginning (pull_back()): a force
+// that acts there has no torque about a centre to which it points. Above the surface it fades out, so that water thrown
+// up falls back.
 //
 // *Walls.* A closed face of the box absorbs the motion into it. In a cell that a solid cuts, closed faces continue the
 // displacement δ that the pressure causes at the open ones, extrapolated to the surface, or along a direction without
@@ -33,10 +32,9 @@
 namespace trevi {
 
 /// phi is found at y, where the motion is evaluated, and acts at x, where paths begin. The gradient of phi(y(x)) is
-/// (I + Bᵀ/2) times that at y, with the slope B of the motion, whose y is in cells (README.md). `by` takes `share` of
-/// this, and the rest at x as if it had been found there. The latter applies to what bears the weight, because volumes
-/// are those at x. `held`, m: the upward part of that.
-void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, Real share, CellDisplacement& by);
+/// (I + Bᵀ/2) times that at y, with the slope B of the motion, whose y is in cells (README.md). `held`, m: the upward
+/// part that stays as it is.
+void pull_back(const AffineMap& motion, const ByAxis& per_length, Real held, CellDisplacement& by);
 
 /// The smaller of two displacements into a wall, by the linear mean and by the mean of the particles; 0 if these differ
 /// in sign.
@@ -109,7 +107,7 @@ class GridToParticles {
   std::optional<SolidSurface> solid_surface(std::size_t at, std::size_t own, const Faces& faces,
                                             const Vec3& pushed) const;
   void slip(std::size_t at, std::size_t own, Faces& faces) const;
-  void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
+  void pull_back_in(std::size_t cell, CellDisplacement& by) const;
   bool is_water(std::size_t at) const { return surface_.is_wet(at) && !surface_.is_solid(at); }
   std::array<Real, 3> mean_path(std::size_t at) const;
   bool mirrors(const CellFace& face, LocalId k, LocalId r, LocalId c) const;

@@ -36,20 +36,16 @@ constexpr Real flat_variance = 0.03, flat_damping = 0.05;
 /// times theirs at 1/960 s, with 0.5 0.04. In cells that are not beside a solid it would make the dam swell by 0.03 %
 /// of its volume.
 constexpr Real few_at_solid = 0.5;
-/// The motion of a particle is evaluated at the midpoint of its predicted path, but at most this far from the end, and
-/// pressure acts at its beginning, but at most twice as far from the end. Its volume is placed where the path began,
-/// but at most `max_path` from the end along each axis, back on the path, cells; as far the displacement of a cell is
-/// moved back across its direction. When this was cut off separately along
-/// each axis, the position of the volume left the path, and water in a cylinder of R = 20 s lost 4.1 % of its angular
-/// momentum in a turn at 1/60 s instead of 1.9 %. With 0.5 jets rise too high. With 0.4 a cylinder of R = 20 s that is
-/// full to its wall gains 9 % in ten turns at 1/60 s instead of losing 12, and the dam keeps 0.924 of its energy
-/// instead of 0.914, but it is 0.225 % too thin instead of 0.201, waves of 0.3 of the depth gain 2.6 % instead of 1.7,
-/// and a plane jet on a plate keeps less than 0.95 of its speed; with 0.3 0.947 instead of 0.951. These are of before
-/// displacements were moved back across. Since then, with the mean path of a cell in full, or cut off, and the bound for
-/// the deviation from it alone, waves on currents of more than a quarter of a cell a step live, but in water that turns
-/// at R = 20 s and 1/60 s waves around it grow by half in each turn: after ten its paraboloid is 0.84 and 0.82 as steep
-/// as it should be, and its energy 1.07 and 1.23 of that of the start.
-constexpr Real max_half_path = 0.5, max_path = 0.25;
+/// The motion of a particle is evaluated at the midpoint of its predicted path, but at most this far from the end along
+/// each axis, cells.
+constexpr Real max_half_path = 0.5;
+/// Without gravity, and in cells that solids other than bodies cut, the volume of a particle is placed where its path
+/// began, but at most this far from the end along each axis, back on the path, cells. When this was cut off separately
+/// along each axis, the volume left the path, and water in a cylinder of R = 20 s lost 4.1 % of its angular momentum in
+/// a turn at 1/60 s instead of 1.9 %. With whole paths it loses 16 % in ten turns and its paraboloid is 1.19 as steep
+/// as it should be; now it gains 0.4 %, and 1.01. Without gravity, displacements are also moved back across their
+/// direction by at most this.
+constexpr Real max_path = 0.25;
 /// Smallest weight, in particles, of the linear mean at a face. With less there is hardly any water, and the fits
 /// themselves determine the motion of the face.
 constexpr Real min_face_weight = 0.05;
@@ -157,19 +153,12 @@ constexpr int cut_noise_cells = 3;
 /// Speed, sqrt(g h): a particle that moves faster than this relative to its cell belongs to a jet rather than to noise,
 /// and is damped the less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.
 constexpr Real noise_speed = 0.2;
-/// In spacings below the surface: the correction acts in full up to a quarter of a spacing below the surface, and fades
-/// out over the next two spacings above that. A wave 3 spacings high thus loses 0.4 % of its amplitude per period. It
-/// loses 1.0 % if the correction acts in full up to a quarter above, and gains 0.5 % if it fades from half a spacing
-/// below.
-constexpr Real fade_begins = 0.25, fade_length = 2;
-/// Displacement by pressure in the centre of a cell, over that which bears weight, from which on, and at which in full,
-/// it is pulled back to where paths begin (README.md). In cells that solids other than bodies cut, where it is not
-/// smooth, all of it is: otherwise water that rotates at R = 20 s would gain 0.6 of its angular momentum in five turns.
-/// The pressure in waves is that of their surface, which is already where paths begin: with all of it pulled back,
-/// waves of 0.3 of the depth gain 5.5 % of their own energy at 1/60 s instead of 1.4 %. Without gravity none is pulled
-/// back: vortices at Re 1000 and 20 across have 0.94 of the energy that they should have at three quarters with it, and
-/// 0.97 without.
-constexpr Real pulled_begins = 1.5, pulled_full = 2.5;
+/// In spacings below the surface: the correction acts in full on particles that are this far below the surface in the
+/// middle of their paths without gravity, where volumes are placed, and fades out over the next two spacings above that.
+/// With 0.25 the dam has 0.927 of its energy after 1 s at 1/480 s instead of 0.930, and with 0.05 sheets of one layer on
+/// 45 degrees gain up to 3.6 times their energy at 1/960 s. By the beginnings of paths waves of 0.3 of the depth gain
+/// 3.7 % of their own energy at 1/60 s and s = 0.025 m instead of 1.8, but the dam has 0.934.
+constexpr Real fade_begins = 0.15, fade_length = 2;
 /// Smallest and largest portion that each particle of a face takes of the face's displacement beyond those around
 /// (face_shares.hpp): full water over the water present. Shear at 45° from a lattice, 20 across, 1/200 s, thus keeps
 /// 0.983 of its energy in a turn, and 0.959 if all take the same; with 0.56 and 5 it keeps as much.
@@ -180,6 +169,10 @@ constexpr Real min_portion = 2.0 / 3, max_portion = 2;
 /// floor gain 0.12 of their energy without this; with 0.5 water in a cylinder of R = 10 s keeps 0.982 of its angular
 /// momentum in five turns at 1/60 s instead of 0.993.
 constexpr Real min_path_across = 1e-3, min_path_across_cut = 1e-2, min_held_across = 0.375;
+/// Largest change of the upward displacement from cell to cell with which displacements are moved back across their
+/// direction, over the displacement by gravity: in an impact the change is not linear. Without this bound the mean
+/// compression of a falling cube is 0.60 % at 1/60 s instead of 0.55, with 0.25 and 1 0.54 and 0.56 %.
+constexpr Real max_change_across = 0.5;
 /// Difference between the open parts of opposite faces of a cell, well below which the surface of a solid does not pass
 /// between them, and its place is in the middle. Not tuned.
 constexpr Real level_surface = 0.05;

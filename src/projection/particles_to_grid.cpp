@@ -114,7 +114,10 @@ void ParticlesToGrid::keep_fits() {
   for (CellFields* field : {&sums_, &means_, &spread_}) field->give_back();
 }
 
-void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts) {
+void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, Real g_dt2,
+                             const CutCells* cuts) {
+  frame_.at_beginning = g_dt2 == 0;
+  frame_.by_gravity = g_dt2 / 2 * frame_.per_length[2];
   const LocalId planes = grid_.planes();
   if (grid_.rows_are_cut()) {
     exchange_volumes(order, halo, motion, cuts);

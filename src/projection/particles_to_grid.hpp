@@ -6,9 +6,11 @@
 // cell away along x and y and one spacing along z: a count of particles would not show a surface that tilts by less
 // than a layer. Such a volume changes by the flow through the faces of a column, with the weights below, and so do
 // levels. With other weights, water that moves as a whole pulls itself along the cells (the self-force of
-// particle-in-cell methods, Birdsall & Langdon 1985, ch. 8). Particles are placed at their positions at the start of
-// the step. Pressure then acts on the surface as it was before the motion that it causes, as in leapfrog, and a wave
-// keeps its amplitude; with the predicted positions it would lose the fraction pi omega dt/2 of it in half a period.
+// particle-in-cell methods, Birdsall & Langdon 1985, ch. 8). Under gravity particles are placed in the middle of their
+// paths, less what gravity adds to these: there the pressure is found for volumes and motion at the same time, and acts
+// from there on the same particles (pull_back()), so that waves keep their amplitude, in water that moves as a whole,
+// too. With the predicted positions they would lose the fraction pi omega dt/2 of it in half a period. Without gravity,
+// and in cells that solids cut, particles are placed where their paths begin.
 //
 // The displacement of a face is the mean over the particles of the two cells beside it, with weights that fall linearly
 // with the distance from the face, each extrapolated to the centroid of the open part of the face,
@@ -42,8 +44,9 @@ class ParticlesToGrid {
   void keep_means();
   void keep_fits();
   void give_back() { fit_.give_back(); }
-  /// Computes all of this from the owned particles of `order`. `cuts` may be null.
-  void gather(const CellOrder& order, Halo& halo, const Motion& motion, const CutCells* cuts);
+  /// Computes all of this from the owned particles of `order`. `g_dt2`: the displacement by gravity, m, or 0. `cuts`
+  /// may be null.
+  void gather(const CellOrder& order, Halo& halo, const Motion& motion, Real g_dt2, const CutCells* cuts);
   /// After gather(), when cells have been classified: finds the displacements of faces without particles on either side
   /// that are beside a wet cell. Others are not used.
   template <class IsWet>

@@ -64,7 +64,7 @@ void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion&
   const Real g_dt2 = model_.gravity * dt * dt, time = dt * std::sqrt(model_.gravity / model_.h);
   measure_rows(order, halo);
   if (openings_ != nullptr) openings_->measure(grid_, cuts_.get());
-  particles_to_grid_.gather(order, halo, motion, cuts_.get());
+  particles_to_grid_.gather(order, halo, motion, g_dt2, cuts_.get());
   surface_.classify(halo);
   particles_to_grid_.find_empty_faces(cuts_.get(), [&](std::size_t at) { return surface_.is_wet(at); });
   particles_to_grid_.give_back_volumes();

@@ -84,7 +84,7 @@ struct Stages {
     transfer.borrow();
     surface->borrow();
   }
-  void gather() { transfer.gather(water.near.order(), water.near.halo(), water.motion(), cuts ? &*cuts : nullptr); }
+  void gather() { transfer.gather(water.near.order(), water.near.halo(), water.motion(), 0, cuts ? &*cuts : nullptr); }
   void classify() {
     gather();
     surface->classify(water.near.halo());

@@ -253,7 +253,7 @@ Damped damped(const Field& motion) {
   Water water(motion, {.jitter = 0.2});
   Stages at(water, s);
   at.classify();
-  at.back->prepare(water.near.halo(), {1, 0.1});  // nothing exceeds that weight, nor is pulled back
+  at.back->prepare(water.near.halo(), {1, 0.1});
   at.solve(0);
   at.back->find_mean_rises(at.pressure);
   GridToParticles::Damping damping;
@@ -265,7 +265,10 @@ Damped damped(const Field& motion) {
     CellDisplacement by = at.back->displacement_of(at.pressure, damping, k, r, c);
     by.low = by.rise = {};
     const CellDisplacement by_faces = at.back->displacement_by_faces(at.pressure, k, r, c);
-    for (std::size_t a = 0; a < 3; ++a) by.offset[a] -= by_faces.offset[a];
+    for (std::size_t a = 0; a < 3; ++a) {
+      by.offset[a] -= by_faces.offset[a];
+      for (std::size_t b = 0; b < 3; ++b) by.slope[a][b] -= by_faces.slope[a][b];
+    }
     by.fade = 0;
     by.at_surface = 1;
     std::vector<Vec4<double>> out(cell.end - cell.begin);
@@ -343,7 +346,7 @@ TEST(GridToParticles, WaterThatTurnsIsDrawnToItsAxis) {
     Stages at(water, s);
     const auto by_faces = [&](const Vec3& low, std::size_t cell) {
       CellDisplacement by = linear(held + draw * axis, Vec3::Constant(-draw), low, at.grid.size());
-      pull_back(at.transfer.fit(cell), at.grid.per_length(), held.z(), 1, by);
+      pull_back(at.transfer.fit(cell), at.grid.per_length(), held.z(), by);
       return by;
     };
     const auto exact = [&](const Vec3& p) { return Vec3(held - draw * (p - (axis - moving / 2))); };

@@ -97,9 +97,9 @@ class ReferenceParticlesToGrid {
     return (p - min_).cwiseQuotient(size_) - half;
   }
 
-  /// All of this of particles that go from x to p.
-  void gather(const std::vector<Vec3>& x, const std::vector<Vec3>& p) {
-    find_particles(x, p);
+  /// All of this of particles that go from x to p, of which gravity makes g_dt2, m.
+  void gather(const std::vector<Vec3>& x, const std::vector<Vec3>& p, Real g_dt2) {
+    find_particles(x, p, g_dt2);
     find_reach();
     fit_motion();
     const CellArray<Real> zero(cells_, 0);
@@ -107,7 +107,7 @@ class ReferenceParticlesToGrid {
     weight_ = {zero, zero, zero};
     for_each_face([&](int a, const Cell& c) { (*mean_)[static_cast<std::size_t>(a)][c] = mean_at(a, c); });
   }
-  void find_particles(const std::vector<Vec3>& x, const std::vector<Vec3>& p) {
+  void find_particles(const std::vector<Vec3>& x, const std::vector<Vec3>& p, Real g_dt2) {
     particles_.clear();
     for (std::size_t i = 0; i < p.size(); ++i) {
       Particle one;
@@ -117,7 +117,9 @@ class ReferenceParticlesToGrid {
         one.cell[a] = std::clamp(static_cast<int>(std::floor(place[a])), 0, count_[a] - 1);
       }
       const Vec3 way = one.way.cwiseQuotient(size_);
-      one.surface = place - way * std::min(1.0, 0.25 / std::max(way.cwiseAbs().maxCoeff(), 1e-300));
+      // In the middle of the path as it is without gravity, or where there is none at its beginning, but not far back.
+      one.surface = g_dt2 > 0 ? Vec3(y + Vec3(0, 0, g_dt2 / 2 / size_.z()))
+                              : Vec3(place - way * std::min(1.0, 0.25 / std::max(way.cwiseAbs().maxCoeff(), 1e-300)));
       one.y = y - one.cell.cast<Real>();
       one.f = one.y + (y - place);
       particles_.push_back(one);

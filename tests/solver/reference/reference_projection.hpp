@@ -18,10 +18,10 @@ class ReferenceProjection : ReferencePressure {
   };
   /// Of particles that go from x to p in the time dt.
   std::vector<Displacement> displacements(const std::vector<Vec3>& x, const std::vector<Vec3>& p, Real dt) {
-    gather(x, p);
+    g_dt2_ = gravity_ * dt * dt;
+    gather(x, p, g_dt2_);
     find_water();
     const Real time = dt * std::sqrt(gravity_ / h_);
-    g_dt2_ = gravity_ * dt * dt;
     solve(g_dt2_, std::min(1.0, time / 6));
     const std::vector<Vec3> damping = dampings(time);
     result_.clear();
@@ -178,23 +178,16 @@ class ReferenceProjection : ReferencePressure {
     return ((w > full / 2 ? std::max(full / w, 2.0 / 3) : 2) - 1) * rough / count;
   }
 
-  /// Displacements as found where the motion is seen, where the path begins, and in the middle of the cell, m.
+  /// Displacements as found where the motion is seen and where the path begins, m.
   struct Found {
-    Vec3 seen, begin, middle;
+    Vec3 seen, begin;
   };
-  /// At the beginning of the path, by the water in cell c: under gravity what is beyond one and a half of the weight,
-  /// and from two and a half on all, goes by the gradient there, which is that where it is seen and the transpose of
-  /// half of the motion's slope times that; but for what holds the weight.
-  Real pulled_share(const Found& found, const Cell& c) const {
-    if (!upright() || !wet(c) || (*fit_)[c].weight == 0) return 0;
-    return std::clamp(found.middle.norm() / g_dt2_ - 1.5, 0.0, 1.0);
-  }
+  /// At the beginning of the path, by the water in cell c: under gravity by the gradient there, which is that where it
+  /// is seen and the transpose of half of the motion's slope times that.
+  bool is_pulled_back(const Cell& c) const { return upright() && wet(c) && (*fit_)[c].weight > 0; }
   Vec3 at_begin(const Found& found, const Cell& c) const {
-    const Real share = pulled_share(found, c);
-    if (share == 0) return found.begin;
-    const Vec3 held(0, 0, std::clamp(found.middle.z(), 0.0, g_dt2_));
-    const Vec3 more = ((*fit_)[c].b.transpose() * (found.seen - held)).cwiseQuotient(2 * size_);
-    return share * (found.seen + more) + (1 - share) * found.begin;
+    if (!is_pulled_back(c)) return found.begin;
+    return found.seen + ((*fit_)[c].b.transpose() * found.seen).cwiseQuotient(2 * size_);
   }
 
   /// The mean upward displacement by the faces of a cell in the water; at a floor and a ceiling that of water at rest.
@@ -212,6 +205,7 @@ class ReferenceProjection : ReferencePressure {
       const auto high = is_wall(a, c + step) ? own : mean_rise(c + step);
       Real change = 0;
       if (own && (low || high)) change = (high.value_or(*own) - low.value_or(*own)) / (low && high ? 2 : 1);
+      if (upright()) change = std::clamp(change, -g_dt2_ / 2, g_dt2_ / 2);  // in an impact it is not linear
       mixed(a, 2) = mixed(2, a) = change / size_[a];
     }
     Real sum = 0;
@@ -230,20 +224,17 @@ class ReferenceProjection : ReferencePressure {
     return mixed;
   }
   /// Across its direction a displacement is that at the ends of paths, but for this: moved back by the mean path of the
-  /// cell; what is pulled back by half of it. In top cells the horizontal part is moved back by the upward path only as
-  /// far as it is pulled back.
-  Vec3 back_across(const Found& found, const Cell& c) const {
+  /// cell; what is pulled back by half of it.
+  Vec3 back_across(const Cell& c) const {
     const std::vector<std::size_t>& here = (*members_)[c];
     if (!wet(c) || static_cast<Real>(here.size()) * std::pow(s_, 3) < 0.375 * size_.prod()) return Vec3::Zero();
     Vec3 path = Vec3::Zero();
     for (const std::size_t i : here) path += particles_[i].way / static_cast<Real>(here.size());
     path = path.cwiseQuotient(size_);
-    path *= 0.25 / std::max(path.cwiseAbs().maxCoeff(), 0.25);
+    const Real bound = upright() ? 1 : 0.25;
+    path *= bound / std::max(path.cwiseAbs().maxCoeff(), bound);
     path = (path.array().abs() < 1e-3).select(0, path).cwiseProduct(size_);
-    Eigen::Matrix3d mixed = mixed_derivatives(c);
-    const Real pulled = pulled_share(found, c), midway = 1 - pulled / 2;
-    if (is_top(c)) mixed.topRightCorner<2, 1>() *= pulled;  // by the upward path
-    return -midway * mixed * path;
+    return -(is_pulled_back(c) ? 0.5 : 1.0) * mixed_derivatives(c) * path;
   }
 
   Displacement displacement(const Particle& i, const Vec3& damping) const {
@@ -262,14 +253,13 @@ class ReferenceProjection : ReferencePressure {
       const Real first = low.value_or(0), rise = high.value_or(0) - first;
       found.seen[a] = first + i.y[a] * rise;
       found.begin[a] = first + i.f[a] * rise;
-      found.middle[a] = first + rise / 2;
       shared[a] = (1 - i.y[a]) * beyond(a, c) + i.y[a] * beyond(a, c + unit(a));
     }
-    const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + back_across(found, c) + shared + damping;
+    const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + back_across(c) + shared + damping;
     if (!follows(c) && !is_top(c)) return {u, acts ? 1.0 : 0.0};
     const Cell top = follows(c) ? Cell(c - unit(2)) : c;
     const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
-    const Real faded = std::clamp((below - 0.25) / 2 + 1, 0.0, 1.0);
+    const Real faded = std::clamp((below - 0.15) / 2 + 1, 0.0, 1.0);
     return {faded * u, faded};
   }
 
