@@ -115,7 +115,9 @@ MotionSums sum_motion_of(const CellFrame& frame, const Motion& motion, const Cel
 
 HWY_INLINE Vec4s displacements(const CellFrame& frame, const ParticleVectors& particles, const CellParticles& cell,
                                const CellDisplacement& by) {
-  const V z = hn::Add(particles.y[2], set(frame.by_gravity));
+  constexpr Real max_shift = projection::max_fade_shift;
+  const V begin = hn::Sub(particles.y[2], particles.half[2]);
+  const V z = hn::Add(begin, clamp(hn::Add(particles.half[2], set(frame.by_gravity)), -max_shift, max_shift));
   const V above = hn::Sub(z, set(by.surface - cell.place.corner[2]));
   const V faded = clamp(hn::Sub(set(by.at_surface), hn::Mul(above, set(by.fade))), 0, 1);
   Vec4s out{zeros(), hn::Mul(faded, set(by.act))};

@@ -65,7 +65,7 @@ MotionSums sum_motion(const CellFrame& frame, const Motion& motion, const CellPa
 /// Raviart–Thomas), plus offset + slope y − own u (pulling back and the damping of noise). f is the point of the path
 /// that lies before y by `back` times half of the path. The displacement fades out at the surface: for a path whose
 /// middle, without gravity, is at `surface`, in cells along z, its factor is `at_surface`, and it decreases by `fade`
-/// per cell above that.
+/// per cell above that. Steep paths count near their beginning (max_fade_shift).
 /// `act` is 1 where the grid acts, otherwise 0.
 struct CellDisplacement {
   ByAxis low{}, rise{}, offset{};

@@ -237,6 +237,12 @@ class ReferenceProjection : ReferencePressure {
     return -(is_pulled_back(c) ? 0.5 : 1.0) * mixed_derivatives(c) * path;
   }
 
+  /// The height by which a displacement fades at the surface, cells: that of the volume, but near the path's beginning.
+  static Real fade_height(const Particle& i) {
+    const Real begin = i.cell.z() + i.f.z();
+    return begin + std::clamp(i.surface.z() - begin, -0.25, 0.25);
+  }
+
   Displacement displacement(const Particle& i, const Vec3& damping) const {
     const Cell& c = i.cell;
     const bool acts = wet(c) || follows(c);
@@ -258,7 +264,7 @@ class ReferenceProjection : ReferencePressure {
     const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + back_across(c) + shared + damping;
     if (!follows(c) && !is_top(c)) return {u, acts ? 1.0 : 0.0};
     const Cell top = follows(c) ? Cell(c - unit(2)) : c;
-    const Real below = (top.z() + (*height_)[top] - i.surface.z()) * size_.z() / s_;
+    const Real below = (top.z() + (*height_)[top] - fade_height(i)) * size_.z() / s_;
     const Real faded = std::clamp((below - 0.15) / 2 + 1, 0.0, 1.0);
     return {faded * u, faded};
   }
