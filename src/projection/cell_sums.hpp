@@ -18,12 +18,12 @@ struct CellFrame {
   ByAxis per_length;   ///< cells per metre
   ByAxis flat, reach;  ///< the density of a particle is uniform up to `flat` from its centre and falls linearly to zero
                        ///< at `reach`, in cells
-  ByAxis nearest, farthest;   ///< limits of its centre, in cells from the corner of the box
-  ByAxis floor, ceiling;      ///< limits through which nothing extends, in cells from the corner of the box
-  Real per_full;              ///< volume of a particle, in cells
-  bool at_beginning = false;  ///< whether volumes are placed at the beginnings of paths, at most max_path before their
-                              ///< ends; otherwise in the middle of the paths as they would be without gravity
-  Real by_gravity = 0;        ///< half of the displacement by gravity, in cells
+  ByAxis nearest, farthest;  ///< limits of its centre, in cells from the corner of the box
+  ByAxis floor, ceiling;     ///< limits through which nothing extends, in cells from the corner of the box
+  Real per_full;             ///< volume of a particle, in cells
+  Real by_gravity = 0;  ///< half of the displacement by gravity, in cells. Volumes are placed in the middle of paths as
+                        ///< they would be without gravity; where there is none, at their beginnings, at most max_path
+                        ///< before their ends
 };
 
 /// The positions, m, from which and to which the prediction, or a shift, moves the particles.

@@ -55,7 +55,7 @@ HWY_INLINE ParticleVectors load(const CellFrame& frame, const Motion& motion, co
 // Where the volumes of particles are placed, in cells from the corner of the cell.
 HWY_INLINE V3 places_of_volumes(const CellFrame& frame, const ParticleVectors& particles) {
   V3 places = particles.y;
-  if (!frame.at_beginning) {
+  if (frame.by_gravity > 0) {
     places[2] = hn::Add(places[2], set(frame.by_gravity));
     return places;
   }

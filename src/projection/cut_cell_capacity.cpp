@@ -117,7 +117,6 @@ CellFrame CutCells::beside_solids(const CellFrame& frame, const ProjectionGrid& 
   const LocalId c = cell[2];
   const std::size_t at = grid.index(cell[0], cell[1], c);
   const CellPlace place = grid.place_of(cell[0], cell[1], c);
-  narrowed.at_beginning |= is_cut(at) && !floats(at);
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t b = grid.axis(a);
     if (face(a, at) == 0) narrowed.floor[b] = place.corner[b];

@@ -1,7 +1,8 @@
 // Second stage of the projection: it determines which cells hold water, and where the free surface is.
 //
 // The surface of a column that stands on the floor lies at the height that the volume of the whole column reaches.
-// Otherwise noise in the fill of lower cells would count as missing weight, and waves would be 2 % too slow. Without
+// Otherwise noise in the fill of lower cells would count as missing weight, and waves would be 2 % too slow. Volumes
+// are placed in the middle of paths, and the surface is lowered by half of its rise to where the paths begin. Without
 // gravity there is no upward direction: cells are wet or dry, and the surface is where the wet ones end. Collective:
 // classify().
 #pragma once
@@ -102,6 +103,7 @@ class FreeSurface {
   };
   void classify_cells(Halo& halo);
   void find_tops(LocalId k, LocalId r);
+  Real half_rise(std::size_t at, Real height) const;
   void find_masses(Halo& halo);
   Real mass_of(const Place& place) const;
   void close_ceiling(LocalId k, LocalId r);

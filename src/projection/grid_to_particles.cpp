@@ -195,15 +195,14 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   return pair;
 }
 
+// All but what bears the weight, whose pressure already belongs to where the paths begin (FreeSurface::half_rise()).
 // Not without gravity: vortices at Re 1000 and 20 across would then have 0.94 of the energy that they should have at
-// three quarters instead of 0.97. In cells that solids other than bodies cut, where volumes are those at x, what bears
-// the weight stays as it is.
+// three quarters instead of 0.97.
 void GridToParticles::pull_back_in(std::size_t cell, CellDisplacement& by) const {
   if (!surface_.upright() || !surface_.is_wet(cell)) return;
   const AffineMap motion = surface_.water().fit(cell);
   if (motion.weight == 0) return;
-  const bool at_solid = surface_.is_cut(cell) && !surface_.cuts()->floats(cell);
-  const Real held = at_solid ? std::clamp(by.low[2] + by.rise[2] / 2, 0.0, step_.g_dt2) : 0;
+  const Real held = std::clamp(by.low[2] + by.rise[2] / 2, 0.0, step_.g_dt2);
   pull_back(motion, surface_.grid().per_length(), held, by);
 }
 

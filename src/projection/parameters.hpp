@@ -39,12 +39,11 @@ constexpr Real few_at_solid = 0.5;
 /// The motion of a particle is evaluated at the midpoint of its predicted path, but at most this far from the end along
 /// each axis, cells.
 constexpr Real max_half_path = 0.5;
-/// Without gravity, and in cells that solids other than bodies cut, the volume of a particle is placed where its path
-/// began, but at most this far from the end along each axis, back on the path, cells. When this was cut off separately
-/// along each axis, the volume left the path, and water in a cylinder of R = 20 s lost 4.1 % of its angular momentum in
-/// a turn at 1/60 s instead of 1.9 %. With whole paths it loses 16 % in ten turns and its paraboloid is 1.19 as steep
-/// as it should be; now it gains 0.4 %, and 1.01. Without gravity, displacements are also moved back across their
-/// direction by at most this.
+/// Without gravity the volume of a particle is placed where its path began, but at most this far from the end along
+/// each axis, back on the path, cells, and displacements are moved back across their direction by at most this. When
+/// this was cut off separately along each axis, the volume left the path, and water in a cylinder of R = 20 s lost 4.1
+/// % of its angular momentum in a turn at 1/60 s instead of 1.9 % (with gravity, when volumes were placed so there,
+/// too).
 constexpr Real max_path = 0.25;
 /// Smallest weight, in particles, of the linear mean at a face. With less there is hardly any water, and the fits
 /// themselves determine the motion of the face.
@@ -72,6 +71,12 @@ constexpr Real max_excess = 0.25, torn = 0.1;
 /// counts there. The paraboloid of a cylinder of R = 10 s, from a lattice, is 1.06 times as steep as that of the
 /// initial rotation with half of the excess, 1.09 with three quarters, 1.12 with all (1/240 s).
 constexpr Real alike = 0.02, max_uneven = 0.5, excess_of_cut = 0.5;
+/// Largest half of the rise of a surface in a step, cells, by which it is lowered to where paths begin: faster ones
+/// belong to jets and impacts. With 0.12 a plane jet on a plate keeps 0.942 of its speed at 1/60 s instead of 0.965,
+/// with 0.5 0.968. And how much more the surface rises in cells that solids cut than the water in them does. With
+/// 1, 1.1, 1.15, 1.3 swings in tanks turned by 20 and 35 degrees differ by up to 3.8, 2.7, 2.4, 2.1 % from those in the
+/// plain box at 1/60 s, by up to 3.5, 3.3, 3.1, 2.8 % at 1/240 s.
+constexpr Real max_half_rise = 0.25, rise_of_cut = 1.15;
 /// Smallest distance, cells, of the centre of a cut cell from the mean position of its water, from which on its level
 /// is extrapolated to the centre; and the largest part of the difference to the neighbouring cell that is used for
 /// this. With 0.3, 0.5, 0.8, 1.2 the same paraboloid from rings is 1.115, 1.085, 1.060, 1.055, but with 0.8 water at R
@@ -153,15 +158,15 @@ constexpr int cut_noise_cells = 3;
 /// Speed, sqrt(g h): a particle that moves faster than this relative to its cell belongs to a jet rather than to noise,
 /// and is damped the less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.
 constexpr Real noise_speed = 0.2;
-/// In spacings below the surface: the correction acts in full on particles that are this far below the surface in the
-/// middle of their paths without gravity, where volumes are placed, and fades out over the next two spacings above that.
-/// With 0.25 the dam has 0.927 of its energy after 1 s at 1/480 s instead of 0.930, and with 0.05 sheets of one layer on
-/// 45 degrees gain up to 3.6 times their energy at 1/960 s.
+/// In spacings below the surface: the correction acts in full on particles that are this far below the surface, and
+/// fades out over the next two spacings above that. With 0.25 waves of 0.3 of the depth gain FB25 % of their own energy
+/// at 1/60 s and s = 0.025 m instead of 1.9.
 constexpr Real fade_begins = 0.15, fade_length = 2;
-/// Largest distance, cells, of the height at which a path counts for this from that of its beginning. With 0, 0.06,
-/// 0.25 and none waves of 0.3 of the depth gain 3.7, 2.4, 1.8, 1.8 % of their own energy (s = 0.025 m, 1/60 s), and a
-/// plane jet on a plate keeps 0.957, 0.956, 0.956, 0.948 of its speed at 1/60 s, 0.970, 0.955, 0.964, 0.944 at 1/120 s.
-constexpr Real max_fade_shift = 0.25;
+/// A path counts for this at its middle as it would be without gravity, but at most this far above or below its
+/// beginning, cells. With 0, 0.1 and 0.25 waves of 0.3 of the depth gain 2.7, 1.9, 1.9 % of their own energy (s = 0.025
+/// m, 1/60 s), a plane jet on a plate keeps 0.965, 0.968, 0.954 of its speed, and the dam 0.933, 0.932, 0.924 of its
+/// energy after 1 s.
+constexpr Real max_fade_shift = 0.1;
 /// Smallest and largest portion that each particle of a face takes of the face's displacement beyond those around
 /// (face_shares.hpp): full water over the water present. Shear at 45° from a lattice, 20 across, 1/200 s, thus keeps
 /// 0.983 of its energy in a turn, and 0.959 if all take the same; with 0.56 and 5 it keeps as much.
@@ -173,9 +178,10 @@ constexpr Real min_portion = 2.0 / 3, max_portion = 2;
 /// momentum in five turns at 1/60 s instead of 0.993.
 constexpr Real min_path_across = 1e-3, min_path_across_cut = 1e-2, min_held_across = 0.375;
 /// Largest change of the upward displacement from cell to cell with which displacements are moved back across their
-/// direction, over the displacement by gravity: in an impact the change is not linear. Without this bound the mean
-/// compression of a falling cube is 0.60 % at 1/60 s instead of 0.55, with 0.25 and 1 0.54 and 0.56 %.
-constexpr Real max_change_across = 0.5;
+/// direction, over the displacement by gravity: in an impact the change is not linear. With 0.5, 1, 2 and no bound the
+/// mean compression of a falling cube is 0.46, 0.49, 0.50, 0.55 % at 1/60 s, and a hole of 4 cells in a floor, 1/120 s,
+/// has a contraction coefficient of 0.635, 0.625, 0.621, 0.617.
+constexpr Real max_change_across = 2;
 /// Difference between the open parts of opposite faces of a cell, well below which the surface of a solid does not pass
 /// between them, and its place is in the middle. Not tuned.
 constexpr Real level_surface = 0.05;

@@ -116,7 +116,6 @@ void ParticlesToGrid::keep_fits() {
 
 void ParticlesToGrid::gather(const CellOrder& order, Halo& halo, const Motion& motion, Real g_dt2,
                              const CutCells* cuts) {
-  frame_.at_beginning = g_dt2 == 0;
   frame_.by_gravity = g_dt2 / 2 * frame_.per_length[2];
   const LocalId planes = grid_.planes();
   if (grid_.rows_are_cut()) {

@@ -37,7 +37,9 @@ class ReferencePressure : public ReferenceParticlesToGrid {
       if (c.z() + 1 == count_.z() && !cells_.repeats(2)) (*wet_)[c + unit(2)] = (*wet_)[c];
     });
     for_each_cell([&](const Cell& c) {
-      if (is_top(c)) (*height_)[c] = std::max(height_of_top(c), 0.2);
+      if (!is_top(c)) return;
+      const Real midway = height_of_top(c);
+      (*height_)[c] = std::max(midway - half_rise(c, midway), 0.2);
     });
     closed_ = true;
     for_each_face([&](int a, const Cell& c) {
@@ -56,6 +58,11 @@ class ReferencePressure : public ReferenceParticlesToGrid {
       excess += off * std::clamp(2 - std::abs(off) / 0.1, 0.0, 1.0);
     }
     return own + std::clamp(excess, -0.25, 0.25);
+  }
+  // Of the surface at a height in cells, in the first half of the paths as they are without gravity; in cells.
+  Real half_rise(const Cell& c, Real height) const {
+    if ((*fit_)[c].weight == 0) return 0;
+    return std::clamp(((*fit_)[c].at(Vec3(0.5, 0.5, height)).z() + g_dt2_) / 2 / size_.z(), -0.25, 0.25);
   }
   Real above_middle(const Cell& c) const { return std::max((*height_)[c] - 0.5, 0.05); }
 

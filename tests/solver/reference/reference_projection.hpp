@@ -178,16 +178,19 @@ class ReferenceProjection : ReferencePressure {
     return ((w > full / 2 ? std::max(full / w, 2.0 / 3) : 2) - 1) * rough / count;
   }
 
-  /// Displacements as found where the motion is seen and where the path begins, m.
+  /// Displacements as found where the motion is seen and where the path begins, and upwards in the middle of the cell,
+  /// m.
   struct Found {
     Vec3 seen, begin;
+    Real middle = 0;
   };
   /// At the beginning of the path, by the water in cell c: under gravity by the gradient there, which is that where it
-  /// is seen and the transpose of half of the motion's slope times that.
+  /// is seen and the transpose of half of the motion's slope times that, but for what holds the weight.
   bool is_pulled_back(const Cell& c) const { return upright() && wet(c) && (*fit_)[c].weight > 0; }
   Vec3 at_begin(const Found& found, const Cell& c) const {
     if (!is_pulled_back(c)) return found.begin;
-    return found.seen + ((*fit_)[c].b.transpose() * found.seen).cwiseQuotient(2 * size_);
+    const Vec3 held(0, 0, std::clamp(found.middle, 0.0, g_dt2_));
+    return found.seen + ((*fit_)[c].b.transpose() * (found.seen - held)).cwiseQuotient(2 * size_);
   }
 
   /// The mean upward displacement by the faces of a cell in the water; at a floor and a ceiling that of water at rest.
@@ -205,7 +208,7 @@ class ReferenceProjection : ReferencePressure {
       const auto high = is_wall(a, c + step) ? own : mean_rise(c + step);
       Real change = 0;
       if (own && (low || high)) change = (high.value_or(*own) - low.value_or(*own)) / (low && high ? 2 : 1);
-      if (upright()) change = std::clamp(change, -g_dt2_ / 2, g_dt2_ / 2);  // in an impact it is not linear
+      if (upright()) change = std::clamp(change, -2 * g_dt2_, 2 * g_dt2_);  // in an impact it is not linear
       mixed(a, 2) = mixed(2, a) = change / size_[a];
     }
     Real sum = 0;
@@ -240,7 +243,7 @@ class ReferenceProjection : ReferencePressure {
   /// The height by which a displacement fades at the surface, cells: that of the volume, but near the path's beginning.
   static Real fade_height(const Particle& i) {
     const Real begin = i.cell.z() + i.f.z();
-    return begin + std::clamp(i.surface.z() - begin, -0.25, 0.25);
+    return begin + std::clamp(i.surface.z() - begin, -0.1, 0.1);
   }
 
   Displacement displacement(const Particle& i, const Vec3& damping) const {
@@ -259,6 +262,7 @@ class ReferenceProjection : ReferencePressure {
       const Real first = low.value_or(0), rise = high.value_or(0) - first;
       found.seen[a] = first + i.y[a] * rise;
       found.begin[a] = first + i.f[a] * rise;
+      found.middle = first + rise / 2;  // the last one is that along z
       shared[a] = (1 - i.y[a]) * beyond(a, c) + i.y[a] * beyond(a, c + unit(a));
     }
     const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + back_across(c) + shared + damping;
