@@ -84,9 +84,12 @@ struct Stages {
     transfer.borrow();
     surface->borrow();
   }
-  void gather() { transfer.gather(water.near.order(), water.near.halo(), water.motion(), 0, cuts ? &*cuts : nullptr); }
-  void classify() {
-    gather();
+  /// g_dt2: the part of gravity in the paths, m.
+  void gather(Real g_dt2 = 0) {
+    transfer.gather(water.near.order(), water.near.halo(), water.motion(), g_dt2, cuts ? &*cuts : nullptr);
+  }
+  void classify(Real g_dt2 = 0) {
+    gather(g_dt2);
     surface->classify(water.near.halo());
     transfer.find_empty_faces(cuts ? &*cuts : nullptr, [&](std::size_t at) { return surface->is_wet(at); });
   }
