@@ -35,11 +35,22 @@ HWY_INLINE V part_beyond(const CellFrame& frame, V way, std::size_t a) {
   return hn::Mul(hn::Sub(sloped, square_above_zero(hn::Sub(set(-flat), w))), set(0.5 / (reach * reach - flat * flat)));
 }
 
-// The fractions of each particle's volume below the cell along a, in the cell and above it.
+// The fraction of each particle's volume that goes to the next cell along a: what lies beyond the face, `way` from the
+// place of the particle, and what lies beyond that cell a second time, at the expense of the own cell. The mean
+// position is thus kept. Without this the volumes of fast water are ahead of it, and waves on a current of two thirds
+// of a cell a step grow or decay by 0.13 a second.
+HWY_INLINE V part_beside(const CellFrame& frame, V way, std::size_t a, bool more_cells) {
+  const V beyond = part_beyond(frame, way, a);
+  const bool reaches = frame.reach[a] > 1 - projection::max_half_path;
+  return more_cells && reaches ? hn::Add(beyond, part_beyond(frame, hn::Add(way, set(1)), a)) : beyond;
+}
+
+// The fractions of each particle's volume that go to the cell below along a, to its own cell and to that above.
 HWY_INLINE V3 parts(const CellFrame& frame, const V3& places, const ByAxis& corner, std::size_t a) {
+  const Real floor = frame.floor[a] - corner[a], ceiling = frame.ceiling[a] - corner[a];
   const V mid = clamp(places[a], frame.nearest[a] - corner[a], frame.farthest[a] - corner[a]);
-  const V below = frame.floor[a] < corner[a] ? part_beyond(frame, mid, a) : set(0);
-  const V above = frame.ceiling[a] > corner[a] + 1 ? part_beyond(frame, hn::Sub(set(1), mid), a) : set(0);
+  const V below = floor < 0 ? part_beside(frame, mid, a, floor < -1) : set(0);
+  const V above = ceiling > 1 ? part_beside(frame, hn::Sub(set(1), mid), a, ceiling > 2) : set(0);
   return {below, hn::Sub(hn::Sub(set(1), below), above), above};
 }
 

@@ -21,7 +21,7 @@ struct CellFrame {
   ByAxis nearest, farthest;  ///< limits of its centre, in cells from the corner of the box
   ByAxis floor, ceiling;     ///< limits through which nothing extends, in cells from the corner of the box
   Real per_full;             ///< volume of a particle, in cells
-  Real by_gravity = 0;  ///< half of the displacement by gravity, in cells. Volumes are placed in the middle of paths as
+  Real by_gravity = 0;       ///< g dt²/2, in cells. Volumes are placed in the middle of paths as
                         ///< they would be without gravity; where there is none, at their beginnings, at most max_path
                         ///< before their ends
 };
@@ -65,7 +65,7 @@ MotionSums sum_motion(const CellFrame& frame, const Motion& motion, const CellPa
 /// Raviart–Thomas), plus offset + slope y − own u (pulling back and the damping of noise). f is the point of the path
 /// that lies before y by `back` times half of the path. The displacement fades out at the surface: for a path whose
 /// middle, without gravity, is at `surface`, in cells along z, its factor is `at_surface`, and it decreases by `fade`
-/// per cell above that. Steep paths count near their beginning (max_fade_shift).
+/// per cell above that. No path counts further than max_fade_shift from its beginning.
 /// `act` is 1 where the grid acts, otherwise 0.
 struct CellDisplacement {
   ByAxis low{}, rise{}, offset{};

@@ -60,10 +60,14 @@ HWY_INLINE V3 places_of_volumes(const CellFrame& frame, const ParticleVectors& p
     return places;
   }
   constexpr Real max_path = projection::max_path;
-  V longest = set(max_path / 2);
-  for (const V half : particles.half) longest = hn::Max(longest, hn::Abs(half));
-  const V back = hn::Sub(hn::Div(set(max_path), longest), set(1));  // from y, in halves of the path
-  for (std::size_t a = 0; a < 3; ++a) places[a] = hn::NegMulAdd(particles.half[a], back, places[a]);
+  V3 path = particles.path;
+  V longest = set(max_path);
+  for (std::size_t a = 0; a < 3; ++a) {
+    path[a] = hn::Mul(path[a], set(frame.per_length[a]));
+    longest = hn::Max(longest, hn::Abs(path[a]));
+  }
+  const V back = hn::Div(set(max_path), longest);
+  for (std::size_t a = 0; a < 3; ++a) places[a] = hn::NegMulAdd(path[a], back, hn::Add(places[a], particles.half[a]));
   return places;
 }
 

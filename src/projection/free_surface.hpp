@@ -71,7 +71,7 @@ class FreeSurface {
   bool is_wet(std::size_t at) const { return wet_[at] == wet_cell; }
   /// A wet cell with a dry one above it, under gravity. The few particles in that dry cell follow the wet one.
   bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
-  /// Height of the water above the lower face of a wet cell, in cells; 1 except in top cells.
+  /// Height of the water above the lower face of a wet cell where paths begin, in cells; 1 except in top cells.
   Real height(std::size_t at) const { return is_top(at) ? height_[at] : 1; }
   /// Height up to which water fills a cell, 0 to 1; also for the dry cell over a top cell, into which water may rise.
   Real filled_height(std::size_t at) const {

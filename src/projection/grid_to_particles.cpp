@@ -195,10 +195,10 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
   return pair;
 }
 
-// All but what bears the weight, whose pressure already belongs to where the paths begin (FreeSurface::half_rise()).
-// Not without gravity: vortices at Re 1000 and 20 across would then have 0.94 of the energy that they should have at
-// three quarters instead of 0.97.
-void GridToParticles::pull_back_in(std::size_t cell, CellDisplacement& by) const {
+// Without gravity nothing is pulled back: vortices at Re 1000 and 20 across would then have 0.94 of the energy that
+// they should have at three quarters instead of 0.97. The pressure of the weight already acts from where the paths
+// begin (FreeSurface::half_rise()).
+void GridToParticles::pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const {
   if (!surface_.upright() || !surface_.is_wet(cell)) return;
   const AffineMap motion = surface_.water().fit(cell);
   if (motion.weight == 0) return;
@@ -280,8 +280,8 @@ Real GridToParticles::mixed_difference(const Pressure& pressure, LocalId k, Loca
   return edges > 0 ? sum / edges : 0;
 }
 
-// The mean path of the particles of a cell, in cells, by direction: no longer than paths count, and zero if it is short
-// or the particles are few.
+// The mean path of the particles of a cell, in cells, by direction: cut off at the longest that counts, and zero if it
+// is short or the particles are few.
 std::array<Real, 3> GridToParticles::mean_path(std::size_t at) const {
   const ProjectionGrid& grid = surface_.grid();
   const ParticlesToGrid::Means held = surface_.water().means(at);
@@ -345,7 +345,7 @@ CellDisplacement GridToParticles::displacement_by_faces(const Pressure& pressure
   const std::size_t at = surface_.grid().index(k, r, c);
   CellDisplacement by = between_faces(pressure, k, r, c);
   if (!displaces(at)) return by;
-  pull_back_in(follows(at) ? at - 1 : at, by);
+  pull_back_beyond_weight(follows(at) ? at - 1 : at, by);
   move_back_across(pressure, k, r, c, by);
   return by;
 }

@@ -1,9 +1,10 @@
 // Fifth stage of the projection: it transfers the solution on the grid to the particles.
 //
 // *Pressure.* A particle takes the displacement of the faces of its cell, linear in between in each direction
-// (lowest-order Raviart–Thomas). It is found in the middle of its path and acts at the beginning (pull_back()): a force
-// that acts there has no torque about a centre to which it points. Above the surface it fades out, so that water thrown
-// up falls back.
+// (lowest-order Raviart–Thomas). Under gravity this is found in the middle of its path, and all but what bears the
+// weight acts at the beginning (pull_back()): a force that acts there has no torque about a centre to which it points.
+// Without gravity it is found where the path begins. Above the surface it fades out, so that water thrown up falls
+// back.
 //
 // *Walls.* A closed face of the box absorbs the motion into it. In a cell that a solid cuts, closed faces continue the
 // displacement δ that the pressure causes at the open ones, extrapolated to the surface, or along a direction without
@@ -107,7 +108,7 @@ class GridToParticles {
   std::optional<SolidSurface> solid_surface(std::size_t at, std::size_t own, const Faces& faces,
                                             const Vec3& pushed) const;
   void slip(std::size_t at, std::size_t own, Faces& faces) const;
-  void pull_back_in(std::size_t cell, CellDisplacement& by) const;
+  void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
   bool is_water(std::size_t at) const { return surface_.is_wet(at) && !surface_.is_solid(at); }
   std::array<Real, 3> mean_path(std::size_t at) const;
   bool mirrors(const CellFace& face, LocalId k, LocalId r, LocalId c) const;

@@ -37,13 +37,12 @@ constexpr Real flat_variance = 0.03, flat_damping = 0.05;
 /// of its volume.
 constexpr Real few_at_solid = 0.5;
 /// The motion of a particle is evaluated at the midpoint of its predicted path, but at most this far from the end along
-/// each axis, cells.
+/// each axis, cells; under gravity its volume is placed there, too, and the mean path of a cell counts up to twice
+/// this. Without gravity pressure acts at the beginning of a path, but at most twice this far from its end.
 constexpr Real max_half_path = 0.5;
 /// Without gravity the volume of a particle is placed where its path began, but at most this far from the end along
-/// each axis, back on the path, cells, and displacements are moved back across their direction by at most this. When
-/// this was cut off separately along each axis, the volume left the path, and water in a cylinder of R = 20 s lost 4.1
-/// % of its angular momentum in a turn at 1/60 s instead of 1.9 % (with gravity, when volumes were placed so there,
-/// too).
+/// each axis, back on the path, cells, and displacements are moved back across their direction by at most this. Cut off
+/// separately along each axis, the volume would leave the path.
 constexpr Real max_path = 0.25;
 /// Smallest weight, in particles, of the linear mean at a face. With less there is hardly any water, and the fits
 /// themselves determine the motion of the face.
@@ -72,11 +71,14 @@ constexpr Real max_excess = 0.25, torn = 0.1;
 /// initial rotation with half of the excess, 1.09 with three quarters, 1.12 with all (1/240 s).
 constexpr Real alike = 0.02, max_uneven = 0.5, excess_of_cut = 0.5;
 /// Largest half of the rise of a surface in a step, cells, by which it is lowered to where paths begin: faster ones
-/// belong to jets and impacts. With 0.12 a plane jet on a plate keeps 0.942 of its speed at 1/60 s instead of 0.965,
-/// with 0.5 0.968. And how much more the surface rises in cells that solids cut than the water in them does. With
-/// 1, 1.1, 1.15, 1.3 swings in tanks turned by 20 and 35 degrees differ by up to 3.8, 2.7, 2.4, 2.1 % from those in the
-/// plain box at 1/60 s, by up to 3.5, 3.3, 3.1, 2.8 % at 1/240 s.
-constexpr Real max_half_rise = 0.25, rise_of_cut = 1.15;
+/// belong to jets and impacts. With 0.12, 0.25 and 0.5 a plane jet of 8 spacings on a plate keeps 0.942, 0.965, 0.968
+/// of its speed at 1/60 s (s = 0.025 m, max_change_across = 0.5, max_fade_shift = 0).
+constexpr Real max_half_rise = 0.25;
+/// The same half in cells that solids other than bodies cut, over that of the motion of their water, in whose fits few
+/// particles on one side of a wall take part. With 1, 1.1, 1.15 and 1.3 swings in tanks turned by 20 and 35 degrees
+/// differ by up to 3.8, 2.7, 2.4, 2.1 % from those in the plain box at 1/60 s, by up to 3.5, 3.3, 3.1, 2.8 % at 1/240
+/// s. With 1.3 they gain at 1/60 s.
+constexpr Real rise_of_cut = 1.15;
 /// Smallest distance, cells, of the centre of a cut cell from the mean position of its water, from which on its level
 /// is extrapolated to the centre; and the largest part of the difference to the neighbouring cell that is used for
 /// this. With 0.3, 0.5, 0.8, 1.2 the same paraboloid from rings is 1.115, 1.085, 1.060, 1.055, but with 0.8 water at R
@@ -158,14 +160,14 @@ constexpr int cut_noise_cells = 3;
 /// Speed, sqrt(g h): a particle that moves faster than this relative to its cell belongs to a jet rather than to noise,
 /// and is damped the less the faster it moves. Without this bound a jet through a pool lost a sixth of its height.
 constexpr Real noise_speed = 0.2;
-/// In spacings below the surface: the correction acts in full on particles that are this far below the surface, and
-/// fades out over the next two spacings above that. With 0.25 waves of 0.3 of the depth gain FB25 % of their own energy
-/// at 1/60 s and s = 0.025 m instead of 1.9.
+/// In spacings below the surface: the correction acts in full on particles that are at least this far below the
+/// surface, and fades out over the next two spacings above that. With 0.25 waves of 0.3 of the depth gain FB25 % of
+/// their own energy at 1/60 s and s = 0.025 m instead of 1.9.
 constexpr Real fade_begins = 0.15, fade_length = 2;
-/// A path counts for this at its middle as it would be without gravity, but at most this far above or below its
-/// beginning, cells. With 0, 0.1 and 0.25 waves of 0.3 of the depth gain 2.7, 1.9, 1.9 % of their own energy (s = 0.025
-/// m, 1/60 s), a plane jet on a plate keeps 0.965, 0.968, 0.954 of its speed, and the dam 0.933, 0.932, 0.924 of its
-/// energy after 1 s.
+/// For the fade, a particle is in the middle of its path as it would be without gravity, but at most this far above or
+/// below its beginning, cells. With 0, 0.1 and 0.25 waves of 0.3 of the depth gain 2.7, 1.9, 1.9 % of their own energy
+/// (s = 0.025 m, 1/60 s), a plane jet on a plate keeps 0.965, 0.968, 0.954 of its speed, and the dam 0.933, 0.932,
+/// 0.924 of its energy after 1 s.
 constexpr Real max_fade_shift = 0.1;
 /// Smallest and largest portion that each particle of a face takes of the face's displacement beyond those around
 /// (face_shares.hpp): full water over the water present. Shear at 45° from a lattice, 20 across, 1/200 s, thus keeps

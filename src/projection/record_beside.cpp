@@ -22,7 +22,7 @@ TotalImpulse RecordBeside::of_particles(const CellDisplacement& by, const Motion
 }
 
 // The same for a full cell, that is, for water that fills the open part of the cell up to the surface and moves as at
-// the centroid of the open part; without what is pulled back. With the particles that happened to be there, a light
+// the centroid of the open part; without what pulling back adds. With the particles that happened to be there, a light
 // body was thrown about, and one with the density of water lagged behind sloshing water.
 Vec3 RecordBeside::of_full(const CellDisplacement& by, LocalId k, LocalId r, LocalId c, bool across) const {
   const FreeSurface& surface = from_.surface;

@@ -251,11 +251,13 @@ class ReferenceParticlesToGrid {
     }
     return sum;
   }
-  // What is beyond the cells beside its own is in these, and what is beyond a wall before it.
+  // What is beyond the cells beside its own is twice in these, at the expense of its own: the mean place is kept. What
+  // is beyond a wall is before it.
   Real part_in(const Particle& i, int a, const Cell& c) const {
     const int own = i.cell[a], last = count_[a] - 1;
-    const Real below = own == 0 && !cells_.repeats(a) ? 0 : part_below(i, a, 0);
-    const Real above = own == last && !cells_.repeats(a) ? 0 : 1 - part_below(i, a, 1);
+    const auto part = [&](int cells, Real beyond) { return cells > 0 || cells_.repeats(a) ? beyond : 0; };
+    const Real below = part(own, part_below(i, a, 0)) + part(own - 1, part_below(i, a, -1));
+    const Real above = part(last - own, 1 - part_below(i, a, 1)) + part(last - own - 1, 1 - part_below(i, a, 2));
     const auto beside = [&](int d) { return cells_.wrapped(i.cell + d * unit(a))[a] == c[a]; };
     return (beside(-1) ? below : 0) + (beside(0) ? 1 - below - above : 0) + (beside(1) ? above : 0);
   }

@@ -262,7 +262,7 @@ class ReferenceProjection : ReferencePressure {
       const Real first = low.value_or(0), rise = high.value_or(0) - first;
       found.seen[a] = first + i.y[a] * rise;
       found.begin[a] = first + i.f[a] * rise;
-      found.middle = first + rise / 2;  // the last one is that along z
+      if (a == 2) found.middle = first + rise / 2;
       shared[a] = (1 - i.y[a]) * beyond(a, c) + i.y[a] * beyond(a, c + unit(a));
     }
     const Vec3 u = at_begin(found, follows(c) ? Cell(c - unit(2)) : c) + back_across(c) + shared + damping;
