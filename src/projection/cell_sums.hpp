@@ -52,7 +52,8 @@ struct MotionSums {
   Real uu;                   ///< Σ |u|²
 };
 /// volume[i][j][k] is the volume that they fill of the cell (1, 1, 1) itself and of the 26 around it, in cells. A
-/// particle is placed as CellFrame says, and the part that would be beyond a wall stays in the cell in front of it.
+/// particle is placed as CellFrame says, and the part that would be beyond a wall stays in the cell in front of it. The
+/// part that would be beyond the cells around counts in these, so that the mean position is kept.
 struct CellSums {
   MotionSums motion;
   std::array<std::array<ByAxis, 3>, 3> volume;
