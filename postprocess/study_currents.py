@@ -16,7 +16,7 @@ import trevi_run
 from study import GRAVITY, in_turn, launch, parser_of, write_table
 
 LENGTH, DEPTH, AMPLITUDE, SPACING = 1.0, 0.5, 0.025, 0.025  # m
-RATES, CURRENTS = (60, 120, 240), (0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0)  # steps a second; m/s
+RATES, CURRENTS = (60, 120, 240), (0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0, 4.0, -4.0)  # steps a second; m/s
 
 
 def scene_of(rate, current):

@@ -21,9 +21,8 @@ struct CellFrame {
   ByAxis nearest, farthest;  ///< limits of its centre, in cells from the corner of the box
   ByAxis floor, ceiling;     ///< limits through which nothing extends, in cells from the corner of the box
   Real per_full;             ///< volume of a particle, in cells
-  Real by_gravity = 0;       ///< g dt²/2, in cells. Volumes are placed in the middle of paths as
-                        ///< they would be without gravity; where there is none, at their beginnings, at most max_path
-                        ///< before their ends
+  Real by_gravity = 0;       ///< g dt²/2, in cells. Volumes are placed in the middle of paths as they would be without
+                             ///< gravity; where there is none, at their beginnings, at most max_path before their ends
 };
 
 /// The positions, m, from which and to which the prediction, or a shift, moves the particles.

@@ -8,9 +8,10 @@
 // levels. With other weights, water that moves as a whole pulls itself along the cells (the self-force of
 // particle-in-cell methods, Birdsall & Langdon 1985, ch. 8). Under gravity particles are placed in the middle of their
 // paths, less what gravity adds to these. Volumes and motion are thus known at the same time, and waves live in water
-// that moves as a whole, however fast. The surface is lowered from there to where the paths begin (free_surface.hpp),
-// so that waves keep their amplitude: with the predicted positions they would lose the fraction pi omega dt/2 of it in
-// half a period. Without gravity particles are placed where their paths begin, at most max_path back.
+// that moves as a whole, by up to two thirds of a cell a step. The surface is lowered from there to where the paths
+// begin (free_surface.hpp), so that waves keep their amplitude: with the predicted positions they would lose the
+// fraction pi omega dt/2 of it in half a period. Without gravity particles are placed where their paths begin, at most
+// max_path back.
 //
 // The displacement of a face is the mean over the particles of the two cells beside it, with weights that fall linearly
 // with the distance from the face, each extrapolated to the centroid of the open part of the face,

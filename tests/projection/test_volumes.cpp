@@ -13,17 +13,25 @@ namespace {
 constexpr Real s = 0.1, h = 2 * s;
 const Box box = Lattice{}.box;
 
+// Calls visit(k, r, volumes of its cells, in cells) for each row of owned planes.
+template <class Visit>
+void for_each_row_of_volumes(const Stages& at, const Visit& visit) {
+  std::vector<Real> volumes(static_cast<std::size_t>(at.grid.columns()));
+  for (LocalId k = 1; k <= at.grid.planes(); ++k)
+    for (LocalId r = 0; r < at.grid.rows(); ++r) {
+      at.transfer.find_volumes(k, r, volumes);
+      visit(k, r, volumes);
+    }
+}
+
 TEST(ParticlesToGrid, VolumeIsThatOfTheParticles) {
   Water water([](const Vec3&) { return Vec3(Vec3::Zero()); }, {.jitter = 0.2});
   Stages at(water, s);
   at.gather();
   Real volume = 0;
-  for (LocalId k = 1; k <= at.grid.planes(); ++k)
-    for (LocalId r = 0; r < at.grid.rows(); ++r) {
-      std::vector<Real> volumes(static_cast<std::size_t>(at.grid.columns()));
-      at.transfer.find_volumes(k, r, volumes);
-      volume += std::accumulate(volumes.begin(), volumes.end(), 0.0);
-    }
+  for_each_row_of_volumes(at, [&](LocalId, LocalId, const std::vector<Real>& volumes) {
+    volume += std::accumulate(volumes.begin(), volumes.end(), 0.0);
+  });
   Real all = 0;
   MPI_Allreduce(&volume, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   const auto particles = static_cast<Real>(sum_over_ranks(world, GlobalId{water.particles.size()}));
@@ -42,13 +50,10 @@ TEST(ParticlesToGrid, StretchedLayersFillCellsEvenly) {
     Stages at(water, s);
     at.gather();
     Real wrong = 0;
-    for (LocalId k = 1; k <= at.grid.planes(); ++k)
-      for (LocalId r = 0; r < at.grid.rows(); ++r) {
-        std::vector<Real> volumes(static_cast<std::size_t>(at.grid.columns()));
-        at.transfer.find_volumes(k, r, volumes);
-        for (LocalId c = 0; (c + 1) * at.grid.size().z() < 1.2 - 1.5 * s; ++c)
-          wrong = std::max(wrong, std::abs(volumes[static_cast<std::size_t>(c)] * (1 + stretch) - 1));
-      }
+    for_each_row_of_volumes(at, [&](LocalId, LocalId, const std::vector<Real>& volumes) {
+      for (LocalId c = 0; (c + 1) * at.grid.size().z() < 1.2 - 1.5 * s; ++c)
+        wrong = std::max(wrong, std::abs(volumes[static_cast<std::size_t>(c)] * (1 + stretch) - 1));
+    });
     EXPECT_LT(largest(wrong), 1e-5) << height << " m high";
   }
 }
@@ -67,13 +72,11 @@ TEST(ParticlesToGrid, VolumesChangeByWhatPassesTheFaces) {
     Water moved(motion, {.jitter = 0.3, .at = path_before});
     Stages at(moved, s);
     at.gather();
-    std::vector<Real> sums(planes), of_row(static_cast<std::size_t>(at.grid.columns()));
-    for (LocalId k = 1; k <= at.grid.planes(); ++k)
-      for (LocalId r = 0; r < at.grid.rows(); ++r) {
-        at.transfer.find_volumes(k, r, of_row);
-        for (const Real volume : of_row)
-          sums[static_cast<std::size_t>(moved.slabs.first_plane(rank_of(world)) + k - 1)] += volume;
-      }
+    std::vector<Real> sums(planes);
+    for_each_row_of_volumes(at, [&](LocalId k, LocalId, const std::vector<Real>& of_row) {
+      for (const Real volume : of_row)
+        sums[static_cast<std::size_t>(moved.slabs.first_plane(rank_of(world)) + k - 1)] += volume;
+    });
     sum_over_ranks(sums);
     return sums;
   };
@@ -102,14 +105,11 @@ TEST(ParticlesToGrid, VolumesOfFastWaterKeepItsMeanPosition) {
   Stages at(water, s);
   at.gather(1e-6);
   std::array<Real, 2> sums{};  // of positions along x over those of particles, in cells, and volumes
-  std::vector<Real> of_row(static_cast<std::size_t>(at.grid.columns()));
-  for (LocalId k = 1; k <= at.grid.planes(); ++k)
-    for (LocalId r = 0; r < at.grid.rows(); ++r) {
-      at.transfer.find_volumes(k, r, of_row);
-      const Real volume = std::accumulate(of_row.begin(), of_row.end(), 0.0);
-      sums[0] += volume * (at.middle(k, r, 0).x() - box.min.x()) / h;
-      sums[1] += volume;
-    }
+  for_each_row_of_volumes(at, [&](LocalId k, LocalId r, const std::vector<Real>& of_row) {
+    const Real volume = std::accumulate(of_row.begin(), of_row.end(), 0.0);
+    sums[0] += volume * (at.middle(k, r, 0).x() - box.min.x()) / h;
+    sums[1] += volume;
+  });
   for (std::size_t i = 0; i < water.particles.position.size(); ++i) {
     const Vec3 midway = (water.particles.position[i] + water.particles.predicted[i]) / 2;
     sums[0] -= (midway - box.min).x() / h / 8;
