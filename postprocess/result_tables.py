@@ -111,6 +111,15 @@ def leaks():
         yield [row["vessel"], row["particles"], row["lost"], row["outside"], row["farthest_m"].lstrip("-")]
 
 
+def full_vessels():
+    yield ["vessel", "spacing, m", "steps a second", "energy over a rigid body's", "velocities off", "compression"]
+    for row in rows_of("full_vessels"):
+        resting = row["velocity_off"] == ""
+        yield [row["vessel"], row["spacing"], row["steps_per_second"],
+               f"at rest: {short(row['kinetic_per_mass'], 2)} m²/s²" if resting else fixed(row["energy_over_rigid"], 3),
+               "" if resting else fixed(row["velocity_off"], 3), short(row["compression_mean"], 2)]
+
+
 def paddles():
     yield ["case", "height, spacings", "step, s", "quantity", "theory", "measured"]
     for row in rows_of("waves"):
@@ -189,7 +198,7 @@ def shapes():
 TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
     "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
     "frames": frames, "channels": channels, "currents": currents, "bodies": bodies, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
-    "leaks": leaks, "scaling_shapes": shapes}
+    "leaks": leaks, "full_vessels": full_vessels, "scaling_shapes": shapes}
 
 
 def markdown(rows):

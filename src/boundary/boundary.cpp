@@ -30,6 +30,7 @@ class ObstacleBoundary : public Boundary {
   void finish_bodies(MPI_Comm comm) override { obstacles_->finish_bodies(comm); }
   void move(Real begin, Real end) override { obstacles_->move(begin, end); }
   Real fastest(Real begin, Real end) const override { return obstacles_->fastest(begin, end); }
+  Real acceleration(Real begin, Real end, Real h) const override { return obstacles_->acceleration(begin, end, h); }
   Obstacles* obstacles() const override { return obstacles_.get(); }
 
  private:

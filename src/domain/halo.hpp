@@ -35,6 +35,8 @@ class Halo {
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;
 
+  MPI_Comm comm() const { return comm_; }
+
   /// Exchanges the cell counts of the boundary and adds the ghosts to `order`.
   void rebuild(CellOrder& order, const CellCuts& cuts);
 

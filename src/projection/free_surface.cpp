@@ -24,6 +24,7 @@ void FreeSurface::borrow() {
 void FreeSurface::keep_wet() {
   height_.give_back();
   mass_.give_back();
+  enclosed_.give_back();
 }
 
 Real FreeSurface::resistance_to_air(std::size_t a, std::size_t wet, std::size_t dry) const {
@@ -78,6 +79,7 @@ void FreeSurface::classify(Halo& halo) {
   classify_cells(halo);
   find_masses(halo);
   if (openings_ != nullptr) openings_->close_sides(grid(), wet_);
+  if (cuts() == nullptr) enclosed_.find_whole(*this, halo);
 }
 
 void FreeSurface::classify_cells(Halo& halo) {
@@ -100,7 +102,8 @@ bool FreeSurface::is_full_enough(const Place& place, Real least) const {
   const std::size_t at = grid().index(k, r, c);
   if (is_drained(at) || is_beside_water(place, at)) return false;
   if (fill_[at] >= least) return true;
-  return upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill;
+  return upright() && c + 1 < grid().columns() && fill_[at] >= submerged_fill && fill_[at + 1] >= submerged_fill &&
+         !is_under_lid(at);
 }
 
 // Such a cell is air: nothing determines the motion of its outer faces, and if they stood still, water that moves as a

@@ -13,6 +13,7 @@
 
 #include "domain/halo.hpp"
 #include "projection/active_rows.hpp"
+#include "projection/enclosed_water.hpp"
 #include "projection/openings.hpp"
 #include "projection/parameters.hpp"
 #include "projection/particles_to_grid.hpp"
@@ -69,6 +70,12 @@ class FreeSurface {
   Real open(std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->open(at) : 1; }
   Real fill(std::size_t at) const { return fill_[at]; }
   bool is_wet(std::size_t at) const { return wet_[at] == wet_cell; }
+  /// Whether a cell is wet, or so small that what it holds says nothing.
+  bool may_hold_water(std::size_t at) const {
+    return !is_solid(at) && (is_wet(at) || (from_.cuts != nullptr && is_small(at) && !is_emptied(at)));
+  }
+  /// The pieces of water that have no surface.
+  const EnclosedWater& enclosed() const { return enclosed_; }
   /// A wet cell with a dry one above it, under gravity. The few particles in that dry cell follow the wet one.
   bool is_top(std::size_t at) const { return from_.upright && is_wet(at) && !is_wet(at + 1) && !is_solid(at); }
   /// Height of the water above the lower face of a wet cell where paths begin, in cells; 1 except in top cells.
@@ -115,7 +122,9 @@ class FreeSurface {
   void classify_among_solids(Halo& halo);
   void fill_open_parts();
   void join_cells_at_solids(Halo& halo);
+  void fill_vessels(Halo& halo);
   bool joins(const Place& place) const;
+  bool is_under_lid(std::size_t at) const;
   bool is_at_solid(std::size_t at) const;
   bool is_run_into(const Place& place) const;
   bool is_pocket(const Place& place) const;
@@ -141,6 +150,7 @@ class FreeSurface {
   void for_widest(const Place& place, const Visit& visit) const;
 
   Openings* openings_ = nullptr;
+  EnclosedWater enclosed_;
   Sources from_;
   Borrowed<Real> fill_, height_, mass_;
   Borrowed<char> wet_;

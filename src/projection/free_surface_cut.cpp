@@ -46,6 +46,7 @@ void FreeSurface::classify_among_solids(Halo& halo) {
     }
   });
   join_cells_at_solids(halo);
+  fill_vessels(halo);
   for_each_row(grid().rows_of(all), [&](LocalId k, LocalId r) {
     for (LocalId c = 1; c < grid().columns(); ++c) {
       const std::size_t at = grid().index(k, r, c);
@@ -107,6 +108,16 @@ void FreeSurface::join_cells_at_solids(Halo& halo) {
   std::copy(joined.begin(), joined.end(), wet_.begin());
 }
 
+// Small cells that are dry beside water without a surface: wet.
+void FreeSurface::fill_vessels(Halo& halo) {
+  grid().complete(halo, wet_);
+  enclosed_.find(*this, halo);
+  if (!enclosed_.any()) return;
+  for (const std::size_t at : enclosed_.cells()) wet_[at] = wet_cell;
+  halo.start_planes(wet_, grid().step(0));
+  halo.finish();
+}
+
 // Whether a cell that is dry or small nevertheless counts as wet.
 bool FreeSurface::joins(const Place& place) const {
   const std::size_t at = grid().index(place.k, place.r, place.c);
@@ -121,6 +132,12 @@ bool FreeSurface::joins(const Place& place) const {
   bool any = false;
   for_widest(place, [&](std::size_t beside) { any = any || is_wet(beside); });
   return any;
+}
+
+// Whether a solid that does not float closes a cell from above, and nothing from below: water that does not reach the
+// lid has a surface. It is otherwise under walls that lean over it, where cells that follow those beside them rest.
+bool FreeSurface::is_under_lid(std::size_t at) const {
+  return cuts() != nullptr && is_solid(at + 1) && cuts()->face(2, at) == 1 && !cuts()->floats(at);
 }
 
 bool FreeSurface::is_at_solid(std::size_t at) const {

@@ -1,7 +1,5 @@
 #include "projection/pressure.hpp"
 
-#include "parallel/waiting.hpp"
-
 namespace trevi {
 
 using namespace projection;
@@ -9,6 +7,7 @@ using namespace projection;
 void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step) {
   const ProjectionGrid& grid = surface.grid();
   const LocalId planes = grid.planes();
+  enclosed_ = &surface.enclosed();
   const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
   multigrid_.resize(halo.cuts(), grid.count(1), grid.columns(), step.depth);
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
@@ -17,7 +16,6 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { weigh_row(surface, k, r); });
   grid.complete(halo, multigrid_.finest().link[1]);
   if (grid.repeats()[2]) grid.repeat(multigrid_.finest().link[2]);
-  closed_ = has_no_surface(surface);
   for_each_row(grid.rows_of(own), [&](LocalId k, LocalId r) { find_sources(surface, step, k, r); });
   if (surface.openings() != nullptr) {
     find_flow_through_walls(surface);
@@ -27,7 +25,7 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { set_hydrostatic_guess(surface, step.g_dt2, k, r); });
 }
 
-void Pressure::begin(Halo& halo) { multigrid_.solve(halo, closed_ ? closed_cycles : cycles); }
+void Pressure::begin(Halo& halo) { multigrid_.solve(halo, enclosed_->any() ? closed_cycles : cycles); }
 
 void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change) {
   const Real source = change / surface.grid().size()[static_cast<Eigen::Index>(a)];
@@ -41,7 +39,7 @@ void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t 
 void Pressure::finish(const FreeSurface& surface, Halo& halo) {
   const ProjectionGrid& grid = surface.grid();
   multigrid_.give_back_all_but_phi();
-  if (closed_) set_origin(surface);
+  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi);
   for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
     for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);
@@ -65,29 +63,6 @@ void Pressure::weigh_row(const FreeSurface& surface, LocalId k, LocalId r) {
       weight[a][at] = open / surface.resistance(a, at);
     }
   }
-}
-
-// Only water that reaches the ceiling, or water without gravity, may have no surface.
-bool Pressure::has_no_surface(const FreeSurface& surface) const {
-  const ProjectionGrid& grid = surface.grid();
-  if (surface.upright() && grid.columns() < grid.count(2)) return false;
-  PerThread<char> found;
-  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
-      const std::size_t at = grid.index(k, r, c);
-      if (!surface.is_wet(at) || surface.is_solid(at)) continue;
-      for (std::size_t a = 0; a < 3; ++a) {
-        const std::size_t step = grid.step(a);
-        const auto& weight = multigrid_.finest().link[a];
-        if ((weight[at] > 0 && !surface.is_wet(at - step)) || (weight[at + step] > 0 && !surface.is_wet(at + step)))
-          found.mine() = 1;
-      }
-    }
-  });
-  int any = 0;
-  found.for_each([&](char one) { any = std::max(any, int{one}); });
-  all_reduce(comm_, &any, 1, MPI_INT, MPI_MAX);
-  return any == 0;
 }
 
 namespace {
@@ -136,14 +111,13 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
 
 // Water from an inlet under water needs room in cells with water behind the opening, or with a wall behind it and water
 // down to the floor. Beside air it needs no more than what the moving water vacates: out of a wall in the air, the
-// water moves on as if the wall let it through, because the wall would otherwise hold it back. If none of the water has
-// a surface, no room can be made.
+// water moves on as if the wall let it through, because the wall would otherwise hold it back. In water without
+// a surface no room can be made.
 void Pressure::find_inflow(const FreeSurface& surface) {
   inflow_.clear();
-  if (closed_) return;
   const auto is_full = [&](std::size_t at) { return surface.is_wet(at) && surface.fill(at) >= wet_fill; };
   for (const Openings::Gain& gain : surface.openings()->gains()) {
-    if (!surface.is_wet(gain.cell) || surface.is_solid(gain.cell)) continue;
+    if (!surface.is_wet(gain.cell) || surface.is_solid(gain.cell) || enclosed_->holds(gain.cell)) continue;
     const bool wall = gain.wall_behind || surface.is_solid(gain.behind);
     if (!wall && !is_full(gain.behind)) continue;
     const bool swells = may_swell(surface, gain.k, gain.r, gain.c);
@@ -173,7 +147,7 @@ Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k,
   const ProjectionGrid& grid = surface.grid();
   const std::size_t at = grid.index(k, r, c);
   Real less = surface.fill(at) - 1;
-  if (closed_ || surface.is_solid(at) || (less < 0 && may_swell(surface, k, r, c))) return 0;
+  if (enclosed_->holds(at) || surface.is_solid(at) || (less < 0 && may_swell(surface, k, r, c))) return 0;
   if (surface.is_cut(at) && surface.fill(at) < submerged_fill) return 0;
   Real fraction = step.return_fraction;
   if (surface.upright()) {
@@ -252,33 +226,11 @@ void Pressure::set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, Loc
   while (end < ceiling && (surface.is_wet(end) || surface.is_solid(end))) ++end;
   if (end == begin) return;
   const bool top = surface.is_top(end - 1);
-  if (!top && !(closed_ && end == ceiling)) return;
+  std::size_t highest = end - 1;  // of the water
+  while (highest > begin && surface.is_solid(highest)) --highest;
+  if (!top && !enclosed_->holds(highest)) return;
   Real phi = -step * (top ? surface.above_middle(end - 1) : 0.5);
   for (std::size_t at = end; at-- > begin; phi -= step) cells.phi[at] = phi;
-}
-
-void Pressure::set_origin(const FreeSurface& surface) {
-  const ProjectionGrid& grid = surface.grid();
-  Borrowed<Real>& phi = multigrid_.finest().phi;
-  PerThread<std::pair<bool, Real>> largest;
-  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
-      const std::size_t at = grid.index(k, r, c);
-      if (!surface.is_wet(at) || surface.is_solid(at)) continue;
-      auto& [any, most] = largest.mine();
-      most = any ? std::max(most, phi[at]) : phi[at];
-      any = true;
-    }
-  });
-  Real most = -INFINITY;
-  largest.for_each([&](const auto& one) {
-    if (one.first) most = std::max(most, one.second);
-  });
-  all_reduce(comm_, &most, 1, MPI_DOUBLE, MPI_MAX);
-  if (!std::isfinite(most)) return;
-  for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[grid.index(k, r, c)] -= most;
-  });
 }
 
 }  // namespace trevi

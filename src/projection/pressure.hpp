@@ -17,8 +17,8 @@
 //
 // The equation is solved by V-cycles of a multigrid (multigrid.hpp) that start from the hydrostatic pressure of each
 // column, which is the exact solution for water at rest. Their number is fixed and there are no dot products, hence the
-// same bits on any rank count. Where water separates, phi would pull it together, so it is limited to values ≤ 0. Where
-// none of the water has a surface, phi has no origin, and its largest value is set to 0. Collective.
+// same bits on any rank count. Where water separates, phi would pull it together, so it is limited to values ≤ 0. In
+// water without a surface phi has no origin, and its largest value is set to 0 (enclosed_water.hpp). Collective.
 #pragma once
 
 #include "multigrid/multigrid.hpp"
@@ -29,7 +29,7 @@ namespace trevi {
 class Pressure {
  public:
   Pressure(MPI_Comm comm, const Repeats& repeats, std::shared_ptr<Scratch> scratch = std::make_shared<Scratch>())
-      : comm_(comm), multigrid_(comm, repeats, Multigrid::few_cells, std::move(scratch)) {}
+      : multigrid_(comm, repeats, Multigrid::few_cells, std::move(scratch)) {}
 
   /// Data of a step: the displacement by gravity g dt², m; the fraction of a cell's deviation from its volume that is
   /// removed in the step, which without gravity depends on the distance that the water travels; and the largest depth
@@ -70,12 +70,11 @@ class Pressure {
   };
   const std::vector<Inflow>& inflow() const { return inflow_; }
   /// phi as finish() would limit it, where water has a surface.
-  Real phi_so_far(std::size_t at) const { return closed_ ? phi(at) : std::min(phi(at), 0.0); }
+  Real phi_so_far(std::size_t at) const { return enclosed_->holds(at) ? phi(at) : std::min(phi(at), 0.0); }
 
   std::size_t bytes() const { return multigrid_.bytes(); }
 
  private:
-  bool has_no_surface(const FreeSurface& surface) const;
   void weigh_row(const FreeSurface& surface, LocalId k, LocalId r);
   void find_sources(const FreeSurface& surface, const Step& step, LocalId k, LocalId r);
   void find_flow_through_walls(const FreeSurface& surface);
@@ -86,10 +85,8 @@ class Pressure {
   Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;
   bool may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const;
   void set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r);
-  void set_origin(const FreeSurface& surface);
 
-  MPI_Comm comm_;
-  bool closed_ = false;  // whether none of the water has a surface
+  const EnclosedWater* enclosed_ = nullptr;  // that of the surface, since assemble()
   std::vector<Inflow> inflow_;
   // Its links first hold the weight of each face: the open fraction of its area, divided by the mass of the water there
   // and by the distance between the points on its two sides where phi is given, in cells; 0 where nothing passes.

@@ -72,7 +72,7 @@ void PbfSolver<T>::step() {
     reporter_.begin_step();
     prepare_step();
     ask_observers(clock.step + 1);
-    clock.substeps = parts_.substep_rule.substeps(*parts_.comm, clock, parts_.particles, fastest_pushed());
+    clock.substeps = parts_.substep_rule.substeps(*parts_.comm, clock, parts_.particles, push());
     const Real dt = clock.dt / clock.substeps;
     for (int k = 0; k < clock.substeps; ++k) {
       if (k > 0) migrate_particles(&Particles::position);
@@ -133,17 +133,19 @@ void PbfSolver<T>::ask_observers(std::int64_t step) {
   guard_.attempt(step, "an observer", [&] { reporter_.ask_observers(step); });
 }
 
-// The largest speed that forcings and moving obstacles give to the water in the step that now begins, m/s.
+// What forcings and moving obstacles will do to the water in the step that now begins.
 template <class T>
-Real PbfSolver<T>::fastest_pushed() {
+SubstepRule::Push PbfSolver<T>::push() {
   Clock next = parts_.clock;
   ++next.step;
   const TimeSpan span{parts_.clock.time(), next.time()};
-  Real fastest = parts_.boundary->fastest(span.begin, span.end);
+  const Boundary& boundary = *parts_.boundary;
+  SubstepRule::Push push{boundary.fastest(span.begin, span.end),
+                         boundary.acceleration(span.begin, span.end, parts_.substep_rule.h)};
   for (const auto& forcing : parts_.forcings) {
-    guard_.attempt(next.step, "a forcing", [&] { fastest = std::max(fastest, forcing->fastest(span)); });
+    guard_.attempt(next.step, "a forcing", [&] { push.speed = std::max(push.speed, forcing->fastest(span)); });
   }
-  return fastest;
+  return push;
 }
 
 template <class T>

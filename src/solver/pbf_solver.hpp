@@ -97,7 +97,7 @@ class PbfSolver : public Solver {
  private:
   void prepare_step();
   void ask_observers(std::int64_t step);
-  Real fastest_pushed();
+  SubstepRule::Push push();
   void exchange_water(const StepInfo& info);
   void substep(const StepInfo& info);
   // The lines of Algorithm 1, in their order.

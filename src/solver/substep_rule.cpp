@@ -11,14 +11,14 @@
 
 namespace trevi {
 
-int SubstepRule::substeps(MPI_Comm comm, const Clock& clock, const Particles& particles, Real fastest_pushed) const {
+int SubstepRule::substeps(MPI_Comm comm, const Clock& clock, const Particles& particles, const Push& push) const {
   if (cfl <= 0) return 1;
-  const Real dt = clock.dt, g = gravity.norm();
+  const Real dt = clock.dt, a = std::max(gravity.norm(), push.acceleration);
   const Real v2 = largest({0, particles.size()}, 0, [&](std::size_t i) { return particles.velocity[i].squaredNorm(); });
-  const Real v = std::max(std::sqrt(max_over_ranks(comm, v2)), fastest_pushed);
+  const Real v = std::max(std::sqrt(max_over_ranks(comm, v2)), push.speed);
   const Real by_speed = dt * v / (cfl * h);
-  const Real by_gravity = g > 0 ? dt / (0.25 * std::sqrt(h / g)) : 0;
-  const Real parts = std::max({by_speed, by_gravity, dt / longest});
+  const Real by_weight = a > 0 ? dt / (0.25 * std::sqrt(h / a)) : 0;
+  const Real parts = std::max({by_speed, by_weight, dt / longest});
   if (!(parts * (1 - 1e-9) <= max_substeps)) {  // the same numbers on all ranks
     throw BlowUp(
         fmt::format("step {}: water of {:.4g} m/s would need {:.0f} substeps, and time.max_substeps is {}: it has "

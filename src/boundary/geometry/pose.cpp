@@ -145,4 +145,15 @@ Real BodyMotion::fastest(Real begin, Real end, Real radius) const {
   return most + spin;
 }
 
+// By second differences. That of a rotation has two equal singular values, and the third is 0.
+Real BodyMotion::acceleration(Real begin, Real end, Real radius, Real h) const {
+  const Real speed = fastest(begin, end, radius);
+  if (speed == 0) return 0;
+  const Real span = std::max(end - begin, h / speed), middle = std::max((begin + end) / 2, span);
+  const Pose before = at(middle - span), now = at(middle), after = at(middle + span);
+  const Vec3 center = before.center - 2 * now.center + after.center;
+  const Rotation axes = before.turn - 2 * now.turn + after.turn;
+  return (center.norm() + radius * axes.norm() / std::numbers::sqrt2) / (span * span);
+}
+
 }  // namespace trevi

@@ -43,6 +43,10 @@ class BodyMotion {
   Pose at(Real time, Real offset = 0) const;
   /// The largest speed that any point of the obstacle within `radius` of its centre has between these times, m/s.
   Real fastest(Real begin, Real end, Real radius) const;
+  /// The acceleration of points of the obstacle within `radius` of its centre about the middle of a step, m/s²: a mean
+  /// over the step or over the time in which its fastest point moves by h, whichever is longer. A start or a stop at
+  /// once therefore counts as one within h.
+  Real acceleration(Real begin, Real end, Real radius, Real h) const;
 
  private:
   Vec3 slope_at(std::size_t knot) const;

@@ -85,6 +85,14 @@ Real Obstacles::fastest(Real begin, Real end) const {
   return floating_ ? std::max(most, floating_->fastest(end - begin)) : most;
 }
 
+Real Obstacles::acceleration(Real begin, Real end, Real h) const {
+  Real most = 0;
+  const std::size_t driven = floating_ ? floating_->first() : bodies_.size();
+  for (std::size_t k = 0; k < driven; ++k)
+    most = std::max(most, bodies_[k]->motion().acceleration(begin, end, bodies_[k]->radius(), h));
+  return most;
+}
+
 // Of many bodies only those near a piece of water are examined. If there are few, all are examined, and the space that
 // they leave open extends further than a path.
 bool Obstacles::are_few() const {

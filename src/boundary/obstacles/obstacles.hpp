@@ -114,6 +114,8 @@ class Obstacles {
   bool moves() const;
   /// The highest speed of a point of an obstacle, m/s.
   Real fastest(Real begin, Real end) const;
+  /// The largest acceleration of an obstacle whose motion is prescribed, m/s² (BodyMotion::acceleration()).
+  Real acceleration(Real begin, Real end, Real h) const;
 
   /// Accounts: obstacles in their order, then the box. Moments are about the centres of obstacles and the middle of the
   /// box, from which no arm is so long that the integers of the ledger overflow.
