@@ -68,6 +68,55 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
   return {at, a, nearest.body, middle_of_closed(a, cell, alone), share, (1 - share) * path[axis_[a]]};
 }
 
+// The side of a face on which there is a solid cell, 1 or -1; 0 if that is none of them or both.
+Real CutCells::side_of_solid(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at,
+                             std::size_t stride) const {
+  const bool below = ProjectionGrid::has_below(a, cell[0], cell[1]) && cells_[at - stride].open == 0;
+  const bool above = cells_[at].open == 0;
+  return below == above ? 0 : above ? 1 : -1;
+}
+
+// The part of a face that a solid closes by itself, measured slightly to one side, where its surface may lie on the
+// face.
+Real CutCells::closed_by(std::size_t body, std::size_t a, const Vec3& corner, Real side) const {
+  constexpr Real off = 0.01;
+  Candidates own;
+  own.of_cell = {body};
+  own.thick = are_thick(place(corner + Vec3::Constant(0.5)), own.of_cell);
+  Cell alone;
+  measure_face(a, corner + side * off * Vec3::Unit(static_cast<Eigen::Index>(a)), own, alone);
+  return 1 - alone.face[a];
+}
+
+// The displacement of the closed part of a face, from that of each solid by what it closes. Where solids overlap, the
+// part is that of those that move: what one of them moves through the faces of a cell then adds up to what its surface
+// in the cell displaces. With the solid nearest to the centre of the face, a lid that slid over the walls of a cavity
+// pumped water into the cells at one of its ends and out of those at the other.
+Real CutCells::displacement_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner,
+                                      std::size_t at, const Bodies& near, std::size_t stride) const {
+  const Vec3 p = place(corner + Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
+  const auto displacement = [&](std::size_t k) { return obstacles_.body(k).displacement_at(p)[axis_[a]]; };
+  const std::size_t nearest = nearest_at(p, near).body;
+  const Vec3 inside = in_box(p);
+  Bodies at_face;
+  bool alike = true;
+  for (const std::size_t k : near) {
+    if (distance_to(obstacles_.body(k), inside) > 0.75 * size_.maxCoeff()) continue;
+    at_face.push_back(k);
+    alike = alike && displacement(k) == displacement(nearest);
+  }
+  if (alike) return displacement(nearest);
+  const Real side = side_of_solid(a, cell, at, stride);
+  Real sum = 0, moving = 0;
+  for (const std::size_t k : at_face) {
+    if (!obstacles_.body(k).moves()) continue;
+    const Real closed = closed_by(k, a, corner, side);
+    sum += closed * displacement(k);
+    moving += closed;
+  }
+  return sum / std::max(moving, 1 - face(a, at));
+}
+
 // Calls use(direction, whether it is the upper face, area of its closed part, centroid of that) for the faces of a
 // cell. The part is that of the nearest solid: what a floating body closes of the face, or otherwise all that is
 // closed.

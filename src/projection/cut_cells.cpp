@@ -189,7 +189,7 @@ void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cell
   measure_capacities(grid, cells);
 }
 
-// The motion of the solid nearest to the centre of each face.
+// The motion of the solids that close each face.
 void CutCells::measure_motion(const ProjectionGrid& grid) {
   moved_.resize(grid.cells());
   PerThread<std::vector<BodyFace>> faces;
@@ -210,7 +210,7 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
           return;
         }
       }
-      moved_[at][a] = static_cast<float>(displacement(obstacles_.body(nearest_at(p, near.of_row).body), p));
+      moved_[at][a] = static_cast<float>(displacement_of_closed(a, cell, corner, at, near.of_row, grid.step(a)));
     };
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
