@@ -19,7 +19,7 @@ RADIUS, SECONDS = 0.3, 3  # m; s
 RATE = math.sqrt(GRAVITY / RADIUS)  # rad/s
 VESSELS = {
     "box": 'type = "box"\nsize = [0.8, 0.8, 0.8]',
-    "box off the lattice": 'type = "box"\nsize = [0.83, 0.83, 0.83]',
+    "box off the lattice": 'type = "box"\nsize = [0.81, 0.81, 0.81]',
     "box, turned twice": 'type = "box"\nsize = [0.8, 0.8, 0.8]\nrotate = [15, 25, 35]',
     "sphere": 'type = "sphere"\nradius = 0.6',
     "cylinder, lying": 'type = "cylinder"\nradius = 0.5\nheight = 0.9\nrotate = [90, 0, 0]',
@@ -85,7 +85,8 @@ def row_of(case, folder, trevi):
            "kinetic_per_mass": f"{energy:.2e}", "compression_mean": f"{mean(columns['compression_mean'][late]):.2e}"}
     if case["vessel"] not in VESSELS:
         return row
-    speed, own = RATE * RADIUS, (place(SECONDS) - place(SECONDS - step)) / step
+    speed, last = RATE * RADIUS, step / columns["substeps"][-1]
+    own = (place(SECONDS) - place(SECONDS - last)) / last
     off = math.sqrt(((velocity - own)**2).sum(axis=1).mean()) / speed
     return row | {"energy_over_rigid": round(energy / (speed**2 / 2), 4), "velocity_off": round(off, 4)}
 
