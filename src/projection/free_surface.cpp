@@ -126,17 +126,20 @@ void FreeSurface::close_ceiling(LocalId k, LocalId r) {
 
 void FreeSurface::find_tops(LocalId k, LocalId r) {
   if (!upright()) return;
-  const std::size_t floor = grid().index(k, r, 0);
+  std::size_t base = grid().index(k, r, 0);  // what the water stands on ends below it
+  const std::size_t floor = base;
   bool standing = true;
   Real excess = 0;  // volume beyond one cell each in the wet cells below the top one, in cells
   for (LocalId c = 0; c < grid().columns(k, r); ++c) {
     const std::size_t at = floor + static_cast<std::size_t>(c);
-    if (!is_wet(at)) {
-      standing = standing && (is_solid(at) || is_drained(at));
+    if (!is_wet(at) || is_solid(at)) {
+      standing = is_solid(at) || (standing && is_drained(at));
+      base = at + 1;
+      excess = 0;
     } else if (is_top(at)) {
       const bool beside_body = cuts() != nullptr && cuts()->floats(at) && !is_solid(at);
       const Real area = beside_body ? open(at) : 1;  // of the base of the water
-      const std::optional<Real> share = standing ? share_below(floor, at) : std::nullopt;
+      const std::optional<Real> share = standing ? share_below(base, at) : std::nullopt;
       const Real counted = (share ? excess_of_cut : 1) * excess;
       const Real more = standing ? std::clamp(counted / area, -max_excess, max_excess) : 0;
       const Real midway = (fill_[at] + fill_[at + 1]) / share.value_or(1) + more;

@@ -134,7 +134,7 @@ bool Pressure::stands_on_floor(const FreeSurface& surface, const Openings::Gain&
   std::size_t at = gain.cell;
   for (LocalId c = gain.c; c > 0; --c) {
     --at;
-    if (!surface.is_wet(at) && !surface.is_solid(at)) return false;
+    if (!surface.is_wet(at)) return surface.is_solid(at);
   }
   return true;
 }
@@ -213,24 +213,31 @@ Real Pressure::divergence(const FreeSurface& surface, std::size_t at, bool moved
   return sum;
 }
 
-// In a column that stands on the floor: the hydrostatic phi below the surface of this column, as if solids were water.
+// In water that stands on the floor or on a solid: the hydrostatic phi below the surface of the column, as if solids
+// were water.
 void Pressure::set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
-  MultigridLevel& cells = multigrid_.finest();
   const Real step = g_dt2 * grid.size()[2];
   const std::size_t floor = grid.index(k, r, 0), ceiling = floor + static_cast<std::size_t>(grid.columns(k, r));
   if (!surface.upright()) return;
-  std::size_t end = floor;
-  while (end < ceiling && surface.is_drained(end)) ++end;
-  const std::size_t begin = end;
-  while (end < ceiling && (surface.is_wet(end) || surface.is_solid(end))) ++end;
-  if (end == begin) return;
+  bool stands = true;  // on the floor, or on the drains in it
+  for (std::size_t begin = floor; begin < ceiling;) {
+    std::size_t end = begin;
+    while (end < ceiling && (surface.is_wet(end) || surface.is_solid(end))) ++end;
+    if (end > begin && (stands || surface.is_solid(begin))) guess_below(surface, step, begin, end);
+    stands = stands && end == begin && surface.is_drained(begin);
+    begin = end + 1;
+  }
+}
+
+// In the cells of a column from `begin` to `end`; `step`: from cell to cell.
+void Pressure::guess_below(const FreeSurface& surface, Real step, std::size_t begin, std::size_t end) {
   const bool top = surface.is_top(end - 1);
   std::size_t highest = end - 1;  // of the water
   while (highest > begin && surface.is_solid(highest)) --highest;
   if (!top && !enclosed_->holds(highest)) return;
   Real phi = -step * (top ? surface.above_middle(end - 1) : 0.5);
-  for (std::size_t at = end; at-- > begin; phi -= step) cells.phi[at] = phi;
+  for (std::size_t at = end; at-- > begin; phi -= step) multigrid_.finest().phi[at] = phi;
 }
 
 }  // namespace trevi

@@ -84,6 +84,7 @@ class Pressure {
   Real divergence(const FreeSurface& surface, std::size_t at, bool moved) const;
   Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;
   bool may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const;
+  void guess_below(const FreeSurface& surface, Real step, std::size_t begin, std::size_t end);
   void set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r);
 
   const EnclosedWater* enclosed_ = nullptr;  // that of the surface, since assemble()
