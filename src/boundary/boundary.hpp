@@ -46,7 +46,7 @@ class Boundary {
   virtual void move(Real /*begin*/, Real /*end*/) {}
   /// The highest speed of what moves by itself, m/s.
   virtual Real fastest(Real /*begin*/, Real /*end*/) const { return 0; }
-  /// The largest acceleration of what is moved, m/s², as a mean over the step or over a motion by h.
+  /// The largest acceleration of obstacles with a prescribed motion, m/s² (BodyMotion::acceleration()).
   virtual Real acceleration(Real /*begin*/, Real /*end*/, Real /*h*/) const { return 0; }
 
   /// Along periodic axes: rounds positions to the quantum; also takes them back into the box; takes p* into the period

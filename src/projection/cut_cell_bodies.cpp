@@ -68,7 +68,7 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
   return {at, a, nearest.body, middle_of_closed(a, cell, alone), share, (1 - share) * path[axis_[a]]};
 }
 
-// The side of a face on which there is a solid cell, 1 or -1; 0 if that is none of them or both.
+// The side of a face on which there is a solid cell, 1 or -1; 0 if neither or both of the cells are solid.
 Real CutCells::side_of_solid(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at,
                              std::size_t stride) const {
   const bool below = ProjectionGrid::has_below(a, cell[0], cell[1]) && cells_[at - stride].open == 0;
@@ -97,6 +97,7 @@ Real CutCells::displacement_of_closed(std::size_t a, const std::array<LocalId, 3
   const Vec3 p = place(corner + Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
   const auto displacement = [&](std::size_t k) { return obstacles_.body(k).displacement_at(p)[axis_[a]]; };
   const std::size_t nearest = nearest_at(p, near).body;
+  if (near.size() == 1) return displacement(nearest);
   const Vec3 inside = in_box(p);
   Bodies at_face;
   bool alike = true;

@@ -17,6 +17,8 @@ constexpr Real min_open = 2e-4;
 constexpr Real sliver = 3e-3, min_reach = 1e-6;
 // Square of the slope of the distance below which an edge is near.
 constexpr Real flat = 0.9;
+// Of a distance of one sample, which is that of places behind seams (depth_below()).
+constexpr Real edge_rounding = 1e-6;
 
 }  // namespace
 
@@ -59,9 +61,10 @@ void CutCells::find_slopes(std::span<const Real> distance, std::span<Real> slope
   }
 }
 
-// How deep a place is in the solids, of which the nearest surface is that of one at this distance. Where this surface
-// lies on another solid, or in it, there is no water behind it: how deep the other solid is a sample further on tells.
-// When a seam between two solids counted as their surface, a crack of cells a few hundredths open led out of cavities.
+// How deep a place is in the solids; `nearest`: that with the nearest surface, and how far it is. Where this surface
+// lies on another solid, or in it, there is no water behind it, and the depth is at least that of the other solid one
+// sample further on. When a seam between two solids counted as their surface, a crack of cells a few hundredths open
+// led out of cavities.
 Real CutCells::depth_below(const Vec3& p, const Nearest& nearest, Real width, const Bodies& bodies) const {
   constexpr Real hair = 1e-3;  // of a sample
   const Body& body = obstacles_.body(nearest.body);
@@ -239,8 +242,8 @@ void CutCells::measure_solid(const Vec3& corner, const Samples& at, const Bodies
     const Real closed = 1 - at.open[n];
     if (closed == 0 && floats) continue;
     const std::array<Real, 3> rise{at.slope[0][n], at.slope[1][n], at.slope[2][n]};
-    const bool at_edge =
-        !floats && rise[0] * rise[0] + rise[1] * rise[1] + rise[2] * rise[2] < flat && std::abs(at.distance[n]) < 1;
+    const bool at_edge = !floats && rise[0] * rise[0] + rise[1] * rise[1] + rise[2] * rise[2] < flat &&
+                         std::abs(at.distance[n]) < 1 - edge_rounding;
     if (closed == 0 && !at_edge) continue;
     const std::array<std::size_t, 3> here{n / samples / samples, n / samples % samples, n % samples};
     const auto in_cell = [&](std::size_t a) { return static_cast<Real>(here[a]) / samples; };

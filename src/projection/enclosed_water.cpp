@@ -40,9 +40,7 @@ class DisjointSets {
 template <class Visit>
 void EnclosedWater::for_each_beside(const FreeSurface& surface, std::size_t at, const Visit& visit) const {
   const ProjectionGrid& grid = surface.grid();
-  const auto k = static_cast<LocalId>(at / grid.step(0)),
-             r = static_cast<LocalId>(at % grid.step(0) / grid.step(1)) - 1,
-             c = static_cast<LocalId>(at % grid.step(1)) - 1;
+  const auto [k, r, c] = grid.cell_at(at);
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
       const std::size_t above = upper ? at + grid.step(a) : at;
@@ -59,8 +57,8 @@ bool EnclosedWater::is_at_air(const FreeSurface& surface, std::size_t at) const 
   return found;
 }
 
-// Calls visit(first cell, end, whether it ends at air) for each run of cells that open faces connect in a column. All
-// cells of a run have a surface if one of them has.
+// Calls visit(first cell, end, whether any of them touches air) for each run of cells that open faces connect in a
+// column. All cells of a run have a surface if one of them has.
 template <class Visit>
 void EnclosedWater::for_each_run(const FreeSurface& surface, const Visit& visit) const {
   const ProjectionGrid& grid = surface.grid();
@@ -96,8 +94,7 @@ void EnclosedWater::find_whole(const FreeSurface& surface, Halo& halo) {
   all_ = any == 0;
 }
 
-// In `names` there are cells that hold no water with -1, those in runs that end at air with 0, and the others with the
-// names of their parts.
+// `names` has the name of its part for each cell that may hold such water, and 0 for all others.
 void EnclosedWater::find(const FreeSurface& surface, Halo& halo) {
   const ProjectionGrid& grid = surface.grid();
   marks_.give_back();
@@ -112,8 +109,7 @@ void EnclosedWater::find(const FreeSurface& surface, Halo& halo) {
   if (any == 0) return;
   std::sort(cells_.begin(), cells_.end());
   Borrowed<GlobalId> names = grid.scratch().borrow_briefly<GlobalId>(grid.cells());
-  names.fill(-1);
-  for_each_run(surface, [&](std::size_t begin, std::size_t end, bool) { std::fill(&names[begin], &names[end], 0); });
+  names.fill(0);
   join_cells(surface, halo.comm(), names);
   grid.exchange(halo, names);
   join_parts(halo.comm(), edges_between(surface, names));
@@ -141,7 +137,8 @@ void EnclosedWater::join_cells(const FreeSurface& surface, MPI_Comm comm, const 
   for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k].name = first + static_cast<GlobalId>(k);
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     Part& part = parts_[part_of_[i]];
-    part.volume += std::llround(surface.open(cells_[i]) * static_cast<Real>(whole_cell));
+    if (surface.holds_particles(cells_[i]))
+      part.volume += std::llround(surface.open(cells_[i]) * static_cast<Real>(whole_cell));
     names[cells_[i]] = part.name;
   }
 }
@@ -154,7 +151,7 @@ std::vector<EnclosedWater::Edge> EnclosedWater::edges_between(const FreeSurface&
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     Part& part = parts_[part_of_[i]];
     for_each_beside(surface, cells_[i], [&](std::size_t beside) {
-      if (names[beside] <= 0) {
+      if (names[beside] == 0) {
         part.has_surface = 1;
       } else if (names[beside] != part.name) {
         edges.push_back({part.name, names[beside]});

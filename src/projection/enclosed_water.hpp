@@ -3,8 +3,9 @@
 //
 // A piece is what open faces connect of wet cells and of small ones, which say nothing of their own: at the edges of a
 // full vessel some count as dry. Where these are all the air that a piece touches, it fills its vessel, and they are
-// wet as well. Pieces of less than one cell, as in wedges between solids, do not count, because nothing moves in them.
-// Ranks join the parts of a piece by the numbers that the parts have. Collective.
+// wet as well. Pieces with particles in less than the volume of one cell do not count: nothing moves in wedges between
+// solids, and sealed gaps without particles are air. Ranks join the parts of a piece by the names that the parts have.
+// Collective, except any(), holds() and cells().
 #pragma once
 
 #include <compare>
@@ -38,7 +39,7 @@ class EnclosedWater {
   // What one rank has of a piece.
   struct Part {
     GlobalId name;    // unique over all ranks, from 1
-    GlobalId volume;  // of its open cells, in millionths of a cell
+    GlobalId volume;  // of its cells with particles, as far as they are open, in millionths of a cell
     GlobalId has_surface;
   };
   struct Edge {

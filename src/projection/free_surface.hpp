@@ -74,6 +74,11 @@ class FreeSurface {
   bool may_hold_water(std::size_t at) const {
     return !is_solid(at) && (is_wet(at) || (from_.cuts != nullptr && is_small(at) && !is_emptied(at)));
   }
+  /// Whether any particle is in an owned cell.
+  bool holds_particles(std::size_t at) const {
+    const auto [k, r, c] = grid().cell_at(at);
+    return water().holds_any(k, r, c);
+  }
   /// The pieces of water that have no surface.
   const EnclosedWater& enclosed() const { return enclosed_; }
   /// A wet cell with a dry one above it, under gravity. The few particles in that dry cell follow the wet one.

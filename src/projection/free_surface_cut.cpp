@@ -108,7 +108,7 @@ void FreeSurface::join_cells_at_solids(Halo& halo) {
   std::copy(joined.begin(), joined.end(), wet_.begin());
 }
 
-// Small cells that are dry beside water without a surface: wet.
+// Small cells that are dry beside water without a surface are wet.
 void FreeSurface::fill_vessels(Halo& halo) {
   grid().complete(halo, wet_);
   enclosed_.find(*this, halo);
@@ -135,7 +135,7 @@ bool FreeSurface::joins(const Place& place) const {
 }
 
 // Whether a solid that does not float closes a cell from above, and nothing from below: water that does not reach the
-// lid has a surface. It is otherwise under walls that lean over it, where cells that follow those beside them rest.
+// lid has a surface. This does not apply under walls that lean over it, where cells follow those beside them.
 bool FreeSurface::is_under_lid(std::size_t at) const {
   return cuts() != nullptr && is_solid(at + 1) && cuts()->face(2, at) == 1 && !cuts()->floats(at);
 }

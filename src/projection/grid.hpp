@@ -122,6 +122,11 @@ class ProjectionGrid {
     return static_cast<std::size_t>(k) * step_[0] + (static_cast<std::size_t>(r) + 1) * step_[1] +
            static_cast<std::size_t>(c) + 1;
   }
+  /// The plane, row and column of a cell by its index.
+  std::array<LocalId, 3> cell_at(std::size_t index) const {
+    return {static_cast<LocalId>(index / step_[0]), static_cast<LocalId>(index % step_[0] / step_[1]) - 1,
+            static_cast<LocalId>(index % step_[1]) - 1};
+  }
   /// Whether the lower face in direction a of cell (k, r, c) lies in a wall; the cell may be one past the last.
   bool is_wall(std::size_t a, LocalId k, LocalId r, LocalId c) const {
     if (a == 0) return (wall_below() && k == 1) || (wall_above() && k == planes() + 1);

@@ -36,6 +36,11 @@ void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t 
   if (surface.is_wet(below)) multigrid_.finest().rhs[below] += source;
 }
 
+void Pressure::show(const FreeSurface& surface, Halo& halo) {
+  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi);
+  surface.grid().complete(halo, multigrid_.finest().phi);
+}
+
 void Pressure::finish(const FreeSurface& surface, Halo& halo) {
   const ProjectionGrid& grid = surface.grid();
   multigrid_.give_back_all_but_phi();

@@ -44,7 +44,7 @@ class Pressure {
   void begin(Halo& halo);
   void improve(Halo& halo, int more) { multigrid_.improve(halo, more); }
   /// Exchanges what displacement() needs before finish().
-  void show(const FreeSurface& surface, Halo& halo) { surface.grid().complete(halo, multigrid_.finest().phi); }
+  void show(const FreeSurface& surface, Halo& halo);
   void finish(const FreeSurface& surface, Halo& halo);
   /// Gives back the memory of the pressure.
   void give_back() { multigrid_.give_back(); }
@@ -70,7 +70,7 @@ class Pressure {
   };
   const std::vector<Inflow>& inflow() const { return inflow_; }
   /// phi as finish() would limit it, where water has a surface.
-  Real phi_so_far(std::size_t at) const { return enclosed_->holds(at) ? phi(at) : std::min(phi(at), 0.0); }
+  Real phi_so_far(std::size_t at) const { return std::min(phi(at), 0.0); }
 
   std::size_t bytes() const { return multigrid_.bytes(); }
 

@@ -20,11 +20,15 @@ int SubstepRule::substeps(MPI_Comm comm, const Clock& clock, const Particles& pa
   const Real by_weight = a > 0 ? dt / (0.25 * std::sqrt(h / a)) : 0;
   const Real parts = std::max({by_speed, by_weight, dt / longest});
   if (!(parts * (1 - 1e-9) <= max_substeps)) {  // the same numbers on all ranks
-    throw BlowUp(
-        fmt::format("step {}: water of {:.4g} m/s would need {:.0f} substeps, and time.max_substeps is {}: it has "
-                    "become unstable or "
-                    "is crushed; use a smaller dt, look at what presses it, or raise the limit",
-                    clock.step + 1, v, std::ceil(parts), max_substeps));
+    const bool shaken = by_weight >= std::max(by_speed, dt / longest) && push.acceleration > gravity.norm();
+    throw BlowUp(fmt::format(
+        "step {}: {} would need {:.0f} substeps, and time.max_substeps is {}: {}", clock.step + 1,
+        shaken ? fmt::format("an obstacle that is accelerated by {:.4g} m/s²", push.acceleration)
+               : fmt::format("water of {:.4g} m/s", v),
+        std::ceil(parts), max_substeps,
+        shaken ? "look at its motion, use a smaller dt, or raise the limit"
+               : "it has become unstable or is crushed; use a smaller dt, look at what presses it, or raise "
+                 "the limit"));
   }
   return std::max(1, static_cast<int>(std::ceil(parts * (1 - 1e-9))));
 }

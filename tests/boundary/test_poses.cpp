@@ -84,6 +84,21 @@ TEST(Pose, SineIsThatOfTheFormula) {
   EXPECT_EQ(motion.at(0).center, settings.center);
 }
 
+// Of translation and rotation with constant rates, and where a sine turns. The motion by h is short.
+TEST(Pose, AccelerationIsThatOfTheFormula) {
+  const Real h = 0.02, dt = 0.001, t = 1;
+  ObstacleSettings moving = box({1, 1, 1});
+  moving.velocity = {3, 0, 1};
+  EXPECT_NEAR(BodyMotion(moving).acceleration(t, t + dt, 0.9, h), 0, 1e-6);
+  ObstacleSettings turning = box({1, 1, 1});
+  turning.angular_velocity = {0, 4, 0};
+  EXPECT_NEAR(BodyMotion(turning).acceleration(t, t + dt, 0.9, h), 16 * 0.9, 0.05);
+  ObstacleSettings swinging = box({1, 1, 1});
+  swinging.oscillation = Oscillation{{0.3, 0, 0}, {0, 0, 0}, 0.8, 0};
+  const Real rate = 2 * std::numbers::pi / 0.8;
+  EXPECT_NEAR(BodyMotion(swinging).acceleration(t, t + dt, 0.9, h), 0.3 * rate * rate, 0.05);
+}
+
 TEST(Pose, TableIsMetAtItsTimesWithoutAKink) {
   ObstacleSettings settings = box({1, 1, 1});
   settings.knots = {{0, {0, 0, 0}}, {1, {1, 0, 0}}, {1.5, {1, 2, 0}}, {4, {0, 0, 1}}};

@@ -79,5 +79,15 @@ TEST(Cavities, RestBelowALidThatSlidesWithoutFriction) {
   }
 }
 
+TEST(Cavities, SameBitsOnAnyRanks) {
+  const Scene scene = cavity(1.2, true, "", "velocity = [1, 0, 0]");
+  const auto end = [&](MPI_Comm comm) {
+    const std::unique_ptr<Solver> solver = make_solver(comm, scene, initial_particles(comm, scene));
+    for (int k = 0; k < 5; ++k) solver->step();
+    return gathered(comm, solver->particles());
+  };
+  expect_same_bits(end(world), end(MPI_COMM_SELF));
+}
+
 }  // namespace
 }  // namespace trevi::test

@@ -150,6 +150,10 @@ Real BodyMotion::acceleration(Real begin, Real end, Real radius, Real h) const {
   const Real speed = fastest(begin, end, radius);
   if (speed == 0) return 0;
   const Real span = std::max(end - begin, h / speed), middle = std::max((begin + end) / 2, span);
+  if (paddle_) {  // at the surface of the water
+    const Real before = paddle_->displacement(middle - span), after = paddle_->displacement(middle + span);
+    return std::abs(before - 2 * paddle_->displacement(middle) + after) / (span * span);
+  }
   const Pose before = at(middle - span), now = at(middle), after = at(middle + span);
   const Vec3 center = before.center - 2 * now.center + after.center;
   const Rotation axes = before.turn - 2 * now.turn + after.turn;

@@ -43,9 +43,10 @@ class BodyMotion {
   Pose at(Real time, Real offset = 0) const;
   /// The largest speed that any point of the obstacle within `radius` of its centre has between these times, m/s.
   Real fastest(Real begin, Real end, Real radius) const;
-  /// The acceleration of points of the obstacle within `radius` of its centre about the middle of a step, m/s²: a mean
-  /// over the step or over the time in which its fastest point moves by h, whichever is longer. A start or a stop at
-  /// once therefore counts as one within h.
+  /// The largest acceleration of points of the obstacle within `radius` of its centre, of a paddle that at the surface
+  /// of the water, m/s²: by the second difference over a step, or over the time in which the fastest of these points
+  /// moves by h, whichever is longer, to both sides of the middle of the step. Near the start it is that about the
+  /// first such time. A rotation counts whatever the shape.
   Real acceleration(Real begin, Real end, Real radius, Real h) const;
 
  private:
