@@ -17,7 +17,7 @@ constexpr Real min_open = 2e-4;
 constexpr Real sliver = 3e-3, min_reach = 1e-6;
 // Square of the slope of the distance below which an edge is near.
 constexpr Real flat = 0.9;
-// Of a distance of one sample, which is that of places behind seams (depth_below()).
+// Of a distance of one sample, which is that of places behind which solids touch (depth_below()).
 constexpr Real edge_rounding = 1e-6;
 
 }  // namespace
@@ -63,8 +63,8 @@ void CutCells::find_slopes(std::span<const Real> distance, std::span<Real> slope
 
 // How deep a place is in the solids; `nearest`: that with the nearest surface, and how far it is. Where this surface
 // lies on another solid, or in it, there is no water behind it, and the depth is at least that of the other solid one
-// sample further on. When a seam between two solids counted as their surface, a crack of cells a few hundredths open
-// led out of cavities.
+// sample further on. When the plane in which two solids touch counted as their surface, a crack of cells a few
+// hundredths open led out of cavities.
 Real CutCells::depth_below(const Vec3& p, const Nearest& nearest, Real width, const Bodies& bodies) const {
   constexpr Real hair = 1e-3;  // of a sample
   const Body& body = obstacles_.body(nearest.body);

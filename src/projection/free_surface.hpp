@@ -1,6 +1,6 @@
 // Second stage of the projection: it determines which cells hold water, and where the free surface is.
 //
-// The surface of a column that stands on the floor lies at the height that the volume of the whole column reaches.
+// The surface of a column that stands on the floor, or on a solid, lies at the height that its whole volume reaches.
 // Otherwise noise in the fill of lower cells would count as missing weight, and waves would be 2 % too slow. Volumes
 // are placed in the middle of paths, and the surface is lowered by half of its rise to where the paths begin. Without
 // gravity there is no upward direction: cells are wet or dry, and the surface is where the wet ones end. Collective:
