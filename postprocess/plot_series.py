@@ -108,7 +108,7 @@ def frame_label(runs):
     """The frame axis in words, with its time step where all runs share one."""
     steps = {columns["dt"][-1] for columns in runs.values() if has_values(columns, "dt")}
     label = f"frame (one each {1000 * steps.pop():.3g} ms)" if len(steps) == 1 else "frame"
-    return label + "\n\nThe mean is below the rest density where particles at a free surface miss neighbours."
+    return label + "\n\nThe mean is below the rest density where particles\nat a free surface miss neighbours."
 
 
 def draw(runs, rest_density, with_energy, output):
