@@ -46,21 +46,16 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
   }
   if (nearest.distance == INFINITY) return {at, a, 0, p, 0, 0};
   if (others.empty()) return {at, a, nearest.body, middle_of_closed(a, cell, at), 1, 0};
-  Candidates own;
-  own.of_cell = {nearest.body};
-  own.thick = are_thick(place(corner + Vec3::Constant(0.5)), own.of_cell);
-  // Slightly off the face, towards the body or away from any other solid there, on whose surface the body may lie.
-  constexpr Real off = 0.01;
+  // Towards the body or away from any other solid there, on whose surface the body may lie.
   const bool has_below = ProjectionGrid::has_below(a, cell[0], cell[1]);
   Real side = 0;
   for (const Real below : {1, -1}) {
     if (below > 0 && !has_below) continue;
     if (cells_[below > 0 ? at - stride : at].open > 0) continue;
     const Vec3 middle = place(corner + half - below / 2 * along);
-    side = floating.holds(nearest_at(middle, near).body) ? -below * off : below * off;
+    side = floating.holds(nearest_at(middle, near).body) ? -below : below;
   }
-  Cell alone;
-  measure_face(a, corner + side * along, own, alone);
+  const Cell alone = closed_by(nearest.body, a, corner, side);
   const Real share = std::min((1 - alone.face[a]) / (1 - face(a, at)), 1.0);
   if (!(share > 0)) return {at, a, 0, p, 0, 0};
   const Body& other = obstacles_.body(nearest_at(p, others).body);
@@ -76,16 +71,16 @@ Real CutCells::side_of_solid(std::size_t a, const std::array<LocalId, 3>& cell, 
   return below == above ? 0 : above ? 1 : -1;
 }
 
-// The part of a face that a solid closes by itself, measured slightly to one side, where its surface may lie on the
-// face.
-Real CutCells::closed_by(std::size_t body, std::size_t a, const Vec3& corner, Real side) const {
+// The face of a cell as a solid closes it by itself, measured slightly to one side of it, where its surface may lie on
+// the face.
+CutCells::Cell CutCells::closed_by(std::size_t body, std::size_t a, const Vec3& corner, Real side) const {
   constexpr Real off = 0.01;
   Candidates own;
   own.of_cell = {body};
   own.thick = are_thick(place(corner + Vec3::Constant(0.5)), own.of_cell);
   Cell alone;
   measure_face(a, corner + side * off * Vec3::Unit(static_cast<Eigen::Index>(a)), own, alone);
-  return 1 - alone.face[a];
+  return alone;
 }
 
 // The displacement of the closed part of a face, from that of each solid by what it closes. Where solids overlap, the
@@ -111,7 +106,7 @@ Real CutCells::displacement_of_closed(std::size_t a, const std::array<LocalId, 3
   Real sum = 0, moving = 0;
   for (const std::size_t k : at_face) {
     if (!obstacles_.body(k).moves()) continue;
-    const Real closed = closed_by(k, a, corner, side);
+    const Real closed = 1 - closed_by(k, a, corner, side).face[a];
     sum += closed * displacement(k);
     moving += closed;
   }

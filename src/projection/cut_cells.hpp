@@ -325,7 +325,7 @@ class CutCells {
   BodyFace body_face_beside(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner, std::size_t at,
                             const Bodies& near, std::size_t stride) const;
   Real side_of_solid(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at, std::size_t stride) const;
-  Real closed_by(std::size_t body, std::size_t a, const Vec3& corner, Real side) const;
+  Cell closed_by(std::size_t body, std::size_t a, const Vec3& corner, Real side) const;
   Real displacement_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner, std::size_t at,
                               const Bodies& near, std::size_t stride) const;
   std::array<std::size_t, 3> step_{};

@@ -137,7 +137,7 @@ void FreeSurface::find_tops(LocalId k, LocalId r) {
       base = at + 1;
       excess = 0;
     } else if (is_top(at)) {
-      const bool beside_body = cuts() != nullptr && cuts()->floats(at) && !is_solid(at);
+      const bool beside_body = cuts() != nullptr && cuts()->floats(at);
       const Real area = beside_body ? open(at) : 1;  // of the base of the water
       const std::optional<Real> share = standing ? share_below(base, at) : std::nullopt;
       const Real counted = (share ? excess_of_cut : 1) * excess;
