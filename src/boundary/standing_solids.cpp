@@ -58,17 +58,28 @@ std::size_t OpenVolume::layer_of(Real level) const {
   return static_cast<std::size_t>(std::clamp(std::floor((level - bottom_) / height_), 0.0, last));
 }
 
+// The layer itself, or the highest one below it that is not closed, if there is one.
+std::size_t OpenVolume::highest_open(std::size_t n) const {
+  while (areas_[n] == 0 && volume_[n] > 0) --n;
+  return n;
+}
+
 Real OpenVolume::level(Real volume) const {
   const auto above = std::upper_bound(volume_.begin() + 1, volume_.end() - 1, volume);
-  const auto n = static_cast<std::size_t>(above - volume_.begin()) - 1;
+  const std::size_t n = highest_open(static_cast<std::size_t>(above - volume_.begin()) - 1);
   const Real layers = static_cast<Real>(n) + (areas_[n] > 0 ? (volume - volume_[n]) / (areas_[n] * height_) : 0);
   return bottom_ + layers * height_;
 }
 
-Real OpenVolume::depth(Real level) const {
+Real OpenVolume::volume(Real level) const {
   const std::size_t n = layer_of(level);
+  return volume_[n] + areas_[n] * std::clamp(level - bottom_ - static_cast<Real>(n) * height_, 0.0, height_);
+}
+
+Real OpenVolume::depth(Real level) const {
+  const std::size_t at = layer_of(level), n = highest_open(at);
   if (areas_[n] == 0) return 0;
-  return volume_[n] / areas_[n] + (level - bottom_ - static_cast<Real>(n) * height_);
+  return volume_[n] / areas_[n] + (n < at ? height_ : level - bottom_ - static_cast<Real>(n) * height_);
 }
 
 OpenDisc::OpenDisc(const GaugeSettings& gauge, const StandingSolids& solids, const Settings& settings)

@@ -36,15 +36,17 @@ class OpenVolume {
   /// `part` extends from the floor to the ceiling of the box of the settings; it is not empty along any axis.
   OpenVolume(const Box& part, const StandingSolids& solids, const Settings& settings);
 
-  /// The level to which this volume of water fills it, m.
+  /// The level to which this volume of water fills it, m. Water that is too much for the space below a solid that
+  /// closes all of it counts as if it stood higher.
   Real level(Real volume) const;
-  /// Its volume up to this level over its area at this level, m.
+  /// Its volume up to this level, m³.
+  Real volume(Real level) const;
+  /// Its volume up to this level over its area there, m; up to the highest open level below it if it is closed there.
   Real depth(Real level) const;
-  /// Its area at a level, m².
-  Real area(Real level) const { return areas_[layer_of(level)]; }
 
  private:
   std::size_t layer_of(Real level) const;
+  std::size_t highest_open(std::size_t n) const;
 
   Real bottom_, height_;              // of the layers, m
   std::vector<Real> areas_, volume_;  // of each layer, m²; below each layer, and of all at the end, m³

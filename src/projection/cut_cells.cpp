@@ -197,8 +197,7 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
   for_each_row_near([&](LocalId k, LocalId r, const Candidates& near, Range columns) {
     const auto measure_face = [&](std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) {
       if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) return;  // nothing moves across a layer
-      const Vec3 half = Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2;
-      const Vec3 corner = corner_of(grid, cell[0], cell[1], cell[2]), p = place(corner + half);
+      const Vec3 corner = corner_of(grid, cell[0], cell[1], cell[2]);
       const auto displacement = [&](const Body& body, const Vec3& place) {
         return body.displacement_at(place)[axis_[a]];
       };

@@ -217,6 +217,28 @@ void EnclosedWater::keep_enclosed(const FreeSurface& surface, Halo& halo) {
   grid.exchange(halo, marks_);
 }
 
+// As integers, so that the sums do not depend on the ranks.
+std::vector<Real> EnclosedWater::sums_over_pieces(MPI_Comm comm, const std::vector<Flow>& flows) const {
+  constexpr Real units = 1 << 30;  // of a cell
+  const std::size_t pieces = all_ ? 1 : parts_.size();
+  const auto piece_of = [&](const Flow& flow) {
+    if (all_) return std::size_t{0};
+    const auto cell = std::lower_bound(cells_.begin(), cells_.end(), flow.cell);
+    return part_of_[static_cast<std::size_t>(cell - cells_.begin())];
+  };
+  std::vector<GlobalId> sums(pieces, 0), of_shared(shared_pieces_ + 1, 0);
+  for (const Flow& flow : flows) sums[piece_of(flow)] += std::llround(flow.share * units);
+  if (all_) sums[0] = sum_over_ranks(comm, sums[0]);
+  for (std::size_t k = 0; k < pieces && !all_; ++k) of_shared[shared_[k]] += sums[k];
+  if (!all_ && shared_pieces_ > 0) of_shared = sum_over_ranks(comm, of_shared);
+  std::vector<Real> found;
+  for (const Flow& flow : flows) {
+    const std::size_t piece = piece_of(flow), shared = all_ ? 0 : shared_[piece];
+    found.push_back(static_cast<Real>(shared > 0 ? of_shared[shared] : sums[piece]) / units);
+  }
+  return found;
+}
+
 void EnclosedWater::set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi) const {
   if (all_) return set_common_origin(surface, halo.comm(), phi);
   std::vector<Real> most(parts_.size(), -INFINITY), of_shared(shared_pieces_ + 1, -INFINITY);

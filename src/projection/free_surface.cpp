@@ -77,9 +77,21 @@ void FreeSurface::classify(Halo& halo) {
   // Cells at solids depend on their neighbours, and water that comes out of an opening on the cell behind it.
   if (inflow || cuts() != nullptr) grid().complete(halo, fill_);
   classify_cells(halo);
+  if (cuts() == nullptr) {
+    enclosed_.find_whole(*this, halo);
+    if (enclosed_.any() && openings_ != nullptr) fill_entered();
+  }
   find_masses(halo);
   if (openings_ != nullptr) openings_->close_sides(grid(), wet_);
-  if (cuts() == nullptr) enclosed_.find_whole(*this, halo);
+}
+
+// Cells of inlets in water without a surface are wet.
+void FreeSurface::fill_entered() {
+  for (const std::size_t at : openings_->entered_cells()) {
+    wet_[at] = wet_cell;
+    const std::array<LocalId, 3> cell = grid().cell_at(at);
+    close_ceiling(cell[0], cell[1]);
+  }
 }
 
 void FreeSurface::classify_cells(Halo& halo) {

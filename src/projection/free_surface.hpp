@@ -70,9 +70,11 @@ class FreeSurface {
   Real open(std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->open(at) : 1; }
   Real fill(std::size_t at) const { return fill_[at]; }
   bool is_wet(std::size_t at) const { return wet_[at] == wet_cell; }
-  /// Whether a cell is wet, or so small that what it holds says nothing.
+  /// Whether a cell is wet, or what it holds says nothing: it is small, or water enters it.
   bool may_hold_water(std::size_t at) const {
-    return !is_solid(at) && (is_wet(at) || (from_.cuts != nullptr && is_small(at) && !is_emptied(at)));
+    if (is_solid(at) || is_wet(at)) return !is_solid(at);
+    if (openings_ != nullptr && openings_->is_entered(at)) return !is_emptied(at);
+    return from_.cuts != nullptr && is_small(at) && !is_emptied(at);
   }
   /// Whether any particle is in an owned cell.
   bool holds_particles(std::size_t at) const {
@@ -119,6 +121,7 @@ class FreeSurface {
   void find_masses(Halo& halo);
   Real mass_of(const Place& place) const;
   void close_ceiling(LocalId k, LocalId r);
+  void fill_entered();
   bool is_full_enough(const Place& place, Real least) const;
   bool is_beside_water(const Place& place, std::size_t at) const;
   bool is_reached_into(const Place& place, Real volume) const;

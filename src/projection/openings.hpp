@@ -51,6 +51,10 @@ class Openings {
   void measure(const ProjectionGrid& grid, const CutCells* cuts);
 
   bool is_drained(std::size_t at) const { return drained_[at] == open_to_air; }
+  /// Whether an inlet brings water into a cell, or a ghost cell. It comes in layers, between which the cell may seem
+  /// empty.
+  bool is_entered(std::size_t at) const { return entered_[at] != 0; }
+  const std::vector<std::size_t>& entered_cells() const { return entered_cells_; }
   /// Whether the cell is drained, or stays empty because a drain takes all of it, at the edge of the drain's region.
   bool is_emptied(std::size_t at) const { return drained_[at] != 0; }
   /// Closes the sides of holes under water. `wet`: of all cells.
@@ -81,9 +85,9 @@ class Openings {
   /// The same on all ranks.
   bool has_sources() const { return !sources_.empty(); }
   const std::vector<Gain>& gains() const { return gains_; }
-  /// From now on in this substep this water enters as if through the face behind it.
-  void come_through(const ProjectionGrid& grid, const Gain& gain) {
-    through_[gain.a][gain.face] = gain.path * grid.size()[static_cast<Eigen::Index>(gain.a)];
+  /// From now on in this substep this water enters as if through the face behind it, on a path in cells.
+  void come_through(const ProjectionGrid& grid, const Gain& gain, Real path) {
+    through_[gain.a][gain.face] = path * grid.size()[static_cast<Eigen::Index>(gain.a)];
   }
 
   /// Adds the work of making room in water under pressure, in m² of phi times the volume of a particle, for owned
@@ -116,6 +120,7 @@ class Openings {
   void find_wall(const ProjectionGrid& grid, std::size_t first);
   static void find_obstacle(const CutCells& cuts, std::size_t at, bool is_highest, Drained& drained);
   void close(std::size_t a, std::size_t at);
+  void find_entered(const ProjectionGrid& grid);
   void measure_wall(const ProjectionGrid& grid, const WallOpening& wall);
   void measure_face(const ProjectionGrid& grid, const WallOpening& wall, const Cell& cell);
   void measure_source(const ProjectionGrid& grid, const Source& source);
@@ -126,8 +131,8 @@ class Openings {
   std::vector<WallOpening> walls_;
   bool found_ = false;
   std::vector<Drained> drained_cells_;
-  std::vector<std::size_t> marked_, closed_at_;  // of drained_ and closed_
-  std::vector<char> drained_;
+  std::vector<std::size_t> marked_, closed_at_, entered_cells_;  // of drained_, closed_ and entered_
+  std::vector<char> drained_, entered_;
   std::vector<unsigned char> closed_;  // a bit for each direction
   std::array<std::vector<Real>, 3> through_;
   std::vector<Face> faces_;

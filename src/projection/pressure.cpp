@@ -20,6 +20,8 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   if (surface.openings() != nullptr) {
     find_flow_through_walls(surface);
     find_inflow(surface);
+    if (enclosed_->any()) fit_inflow(halo.comm());
+    for (const Inflow& one : inflow_) multigrid_.finest().rhs[one.cell] -= one.share;
   }
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { set_hydrostatic_guess(surface, step.g_dt2, k, r); });
@@ -101,6 +103,7 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
 void Pressure::find_flow_through_walls(const FreeSurface& surface) {
   Borrowed<Real>& rhs = multigrid_.finest().rhs;
   const std::vector<Openings::Face>& faces = surface.openings()->faces();
+  through_walls_.clear();
   for (const Openings::Face& face : faces) {
     if (surface.is_wet(face.cell)) rhs[face.cell] = divergence(surface, face.cell, is_anything_moved(surface));
   }
@@ -111,26 +114,46 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
     const Real flow = share * surface.openings()->displacement(face.a, face.at) /
                       surface.grid().size()[static_cast<Eigen::Index>(face.a)];
     rhs[face.cell] += face.at_max ? flow : -flow;
+    if (enclosed_->holds(face.cell)) through_walls_.push_back({face.cell, face.at_max ? -flow : flow});
   }
 }
 
 // Water from an inlet under water needs room in cells with water behind the opening, or with a wall behind it and water
 // down to the floor. Beside air it needs no more than what the moving water vacates: out of a wall in the air, the
-// water moves on as if the wall let it through, because the wall would otherwise hold it back. In water without
-// a surface no room can be made.
+// water moves on as if the wall let it through, because the wall would otherwise hold it back.
 void Pressure::find_inflow(const FreeSurface& surface) {
   inflow_.clear();
   const auto is_full = [&](std::size_t at) { return surface.is_wet(at) && surface.fill(at) >= wet_fill; };
   for (const Openings::Gain& gain : surface.openings()->gains()) {
-    if (!surface.is_wet(gain.cell) || surface.is_solid(gain.cell) || enclosed_->holds(gain.cell)) continue;
+    if (!surface.is_wet(gain.cell) || surface.is_solid(gain.cell)) continue;
     const bool wall = gain.wall_behind || surface.is_solid(gain.behind);
     if (!wall && !is_full(gain.behind)) continue;
     const bool swells = may_swell(surface, gain.k, gain.r, gain.c);
-    const bool in_air = wall && (swells || !stands_on_floor(surface, gain));
+    const bool in_air = wall && !enclosed_->holds(gain.cell) && (swells || !stands_on_floor(surface, gain));
     Real share = in_air && !surface.is_cut(gain.cell) ? std::abs(gain.path) : gain.share;
     if (in_air || swells) share = std::clamp(divergence(surface, gain.cell, is_anything_moved(surface)), 0.0, share);
-    inflow_.push_back({gain.cell, share, in_air ? &gain : nullptr});
-    multigrid_.finest().rhs[gain.cell] -= share;
+    const bool through_wall = wall && gain.path != 0 && enclosed_->holds(gain.cell);
+    inflow_.push_back({gain.cell, share, in_air ? gain.path : 0, in_air || through_wall ? &gain : nullptr});
+  }
+}
+
+// In water without a surface there is room only for what leaves through walls.
+void Pressure::fit_inflow(MPI_Comm comm) {
+  std::vector<EnclosedWater::Flow> flows;
+  for (const Inflow& one : inflow_) {
+    if (enclosed_->holds(one.cell)) flows.push_back({one.cell, one.share});
+  }
+  const std::size_t count = flows.size();
+  const std::vector<Real> wanted = enclosed_->sums_over_pieces(comm, flows);
+  flows.insert(flows.end(), through_walls_.begin(), through_walls_.end());
+  for (std::size_t n = 0; n < count; ++n) flows[n].share = 0;
+  const std::vector<Real> entered = enclosed_->sums_over_pieces(comm, flows);
+  std::size_t n = 0;
+  for (Inflow& one : inflow_) {
+    if (!enclosed_->holds(one.cell)) continue;
+    one.share *= wanted[n] > 0 ? std::clamp(-entered[n] / wanted[n], 0.0, 1.0) : 0;
+    if (one.out_of_wall != nullptr) one.path = std::copysign(one.share, one.out_of_wall->path);
+    ++n;
   }
 }
 

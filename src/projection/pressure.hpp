@@ -66,7 +66,8 @@ class Pressure {
   struct Inflow {
     std::size_t cell;
     Real share;
-    const Openings::Gain* out_of_wall;  ///< if it comes out of a wall in the air; otherwise null
+    Real path;                          ///< of the water, in cells, as if the wall behind let it through
+    const Openings::Gain* out_of_wall;  ///< if it does; otherwise null
   };
   const std::vector<Inflow>& inflow() const { return inflow_; }
   /// phi as finish() would limit it, where water has a surface.
@@ -79,6 +80,7 @@ class Pressure {
   void find_sources(const FreeSurface& surface, const Step& step, LocalId k, LocalId r);
   void find_flow_through_walls(const FreeSurface& surface);
   void find_inflow(const FreeSurface& surface);
+  void fit_inflow(MPI_Comm comm);
   static bool stands_on_floor(const FreeSurface& surface, const Openings::Gain& gain);
   void drop_air_links(const FreeSurface& surface, LocalId k, LocalId r);
   Real divergence(const FreeSurface& surface, std::size_t at, bool moved) const;
@@ -89,6 +91,7 @@ class Pressure {
 
   const EnclosedWater* enclosed_ = nullptr;  // that of the surface, since assemble()
   std::vector<Inflow> inflow_;
+  std::vector<EnclosedWater::Flow> through_walls_;  // into water without a surface
   // Its links first hold the weight of each face: the open fraction of its area, divided by the mass of the water there
   // and by the distance between the points on its two sides where phi is given, in cells; 0 where nothing passes.
   Multigrid multigrid_;

@@ -77,7 +77,7 @@ void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion&
     const Real particles = grid_.size().prod() / (model_.spacing * model_.spacing * model_.spacing);
     for (const Pressure::Inflow& one : pressure_.inflow()) {
       openings_->add_work(-particles * pressure_.phi(one.cell) * one.share, dt);
-      if (one.out_of_wall != nullptr) openings_->come_through(grid_, *one.out_of_wall);
+      if (one.out_of_wall != nullptr) openings_->come_through(grid_, *one.out_of_wall, one.path);
     }
   }
   if (probes_ != nullptr) probe_pressures(surface_, pressure_, g_dt2, *probes_);

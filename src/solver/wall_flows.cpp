@@ -283,19 +283,21 @@ void WallFlows::drive_drain(Opening& opening, const Water& water, const StepInfo
   const Real out = opening.wall.at_max ? water.speed : -water.speed;
   const Real deep = opening.depth(water.level);
   const Real depth = std::max(drain.level ? opening.depth(*drain.level) : deep, spacing_);
-  const Real wave = std::sqrt(gravity_ / depth), limit = fastest * wave * depth;
+  const Real section = std::max(opening.section(water.level), spacing_ * opening.width());
+  const Real wave = std::sqrt(gravity_ / depth);
+  const Real limit = fastest * wave * depth + drain.flow.value_or(0) / section;
   const Real follow = std::min(1.0, info.dt * wave / following_time);
   if (!state.known) state = {std::max(out, 0.0), water.level, 0, true};
   const Real high = wave * (water.level - drain.level.value_or(state.level));
   if (drain.flow) {
-    const Real particle = spacing_ * spacing_ * spacing_, area = depth * opening.width(water.level);
+    const Real particle = spacing_ * spacing_ * spacing_;
     state.owed += *drain.flow * info.dt / particle;
-    state.speed = *drain.flow / area + state.owed * particle * wave / (following_time * area);
+    state.speed = (*drain.flow + state.owed * particle * wave / following_time) / section;
     state.level += (water.level - state.level) * follow;
   }
   opening.speeds[0] = deep > 0 ? std::clamp(state.speed + high, 0.0, limit) : 0;
   if (drain.flow) {  // dropped where there is no water
-    const Real layer = depth * opening.width(water.level) / (spacing_ * spacing_);
+    const Real layer = section / (spacing_ * spacing_);
     state.due = std::min(state.due + opening.speeds[0] * info.dt / spacing_ * layer, max_due * layer);
   }
   if (drain.level) {

@@ -82,9 +82,14 @@ class WallFlows {
     std::vector<Real> speeds{};         // m/s: one for each row of an inlet; one for a drain, out of the box
     std::optional<OpenVolume> space{};  // where the level is measured, if there are solids in it
     Real area() const { return (to - from) * (across[1] - across[0]); }
-    // Depth and width of the water that flows through it.
+    Real width() const { return across[1] - across[0]; }
+    // Depth of the water in front of it.
     Real depth(Real level) const { return space ? std::min(level - bottom, space->depth(level)) : level - bottom; }
-    Real width(Real level) const { return space ? space->area(level) / (to - from) : across[1] - across[0]; }
+    // Cross-section of the water that flows through it, m².
+    Real section(Real level) const {
+      const Real high = std::min(level, top);
+      return space ? (space->volume(high) - space->volume(bottom)) / (to - from) : (high - bottom) * width();
+    }
   };
   struct Water {
     Real level, speed;  // m; m/s along the axis
