@@ -61,23 +61,22 @@ void CutCells::find_slopes(std::span<const Real> distance, std::span<Real> slope
   }
 }
 
-// How deep a place is in the solids; `nearest`: that with the nearest surface, and how far it is. Where this surface
-// lies on another solid, or in it, there is no water behind it, and the depth is at least that of the other solid one
-// sample further on. When the plane in which two solids touch counted as their surface, a crack of cells a few
-// hundredths open led out of cavities.
-Real CutCells::depth_below(const Vec3& p, const Nearest& nearest, Real width, const Bodies& bodies) const {
+// How deep a place is in the solids; `nearest`: that in which it is deepest, and how deep. Where the surface of this one
+// lies on another solid, or in it, there is no water behind it, and the depth is at least that of the place one sample
+// further on, where the next surface may lie on a solid as well: `surfaces` of them are looked at, because three planes
+// meet in a corner. When the plane in which two solids touch counted as their surface, a crack of cells a few hundredths
+// open led out of cavities.
+Real CutCells::depth_below(const Vec3& p, const Nearest& nearest, Real width, const Bodies& bodies,
+                           int surfaces) const {
   constexpr Real hair = 1e-3;  // of a sample
+  const Real depth = -nearest.distance;
+  if (depth >= width || surfaces == 0) return depth;
   const Body& body = obstacles_.body(nearest.body);
   const Vec3 outwards = body.midway().turn * body.shape().normal(body.midway().into_body(p));
-  const Vec3 surface = p + nearest.distance * outwards;
-  Real depth = nearest.distance;
-  for (const std::size_t k : bodies) {
-    if (k == nearest.body) continue;
-    const Body& other = obstacles_.body(k);
-    if (distance_to(other, in_box(surface + hair * width * outwards)) >= 0) continue;
-    depth = std::max(depth, -distance_to(other, in_box(surface + width * outwards)));
-  }
-  return depth;
+  const Vec3 surface = p + depth * outwards, next = in_box(surface + width * outwards);
+  if (nearest_at(surface + hair * width * outwards, bodies).distance >= 0) return depth;
+  const Nearest there = nearest_at(next, bodies);
+  return there.distance >= 0 ? depth : std::max(depth, depth_below(next, there, width, bodies, surfaces - 1));
 }
 
 // Distances in samples, at the samples of squares across direction a of a cell, `along` cells from its corner, one
@@ -133,7 +132,7 @@ void CutCells::find_distances(const Vec3& corner, std::size_t a, std::span<const
     if (!(distance[n] < 0 && distance[n] > -width)) continue;
     Vec3 p;
     for (std::size_t b = 0; b < 3; ++b) p[axis_[b]] = coordinate[b][n / stride[b] % number[b]];
-    distance[n] = -depth_below(p, {-distance[n], nearest[n]}, width, bodies);
+    distance[n] = -depth_below(p, {distance[n], nearest[n]}, width, bodies, 3);
   }
   for (Real& one : distance) one /= width;
 }

@@ -227,7 +227,7 @@ class CutCells {
   void find_shares(const Vec3& corner, const Samples& at, Candidates& candidates) const;
   void find_distances(const Vec3& corner, std::size_t a, std::span<const Real> along, const Bodies& bodies,
                       std::span<Real> distance) const;
-  Real depth_below(const Vec3& p, const Nearest& nearest, Real width, const Bodies& bodies) const;
+  Real depth_below(const Vec3& p, const Nearest& nearest, Real width, const Bodies& bodies, int surfaces) const;
   template <std::size_t stride>
   static void find_slopes(std::span<const Real> distance, std::span<Real> slope);
   template <class Visit>
