@@ -91,6 +91,7 @@ Real CutCells::displacement_of_closed(std::size_t a, const std::array<LocalId, 3
                                       std::size_t at, const Bodies& near, std::size_t stride) const {
   const Vec3 p = place(corner + Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2);
   const auto displacement = [&](std::size_t k) { return obstacles_.body(k).displacement_at(p)[axis_[a]]; };
+  constexpr Real rounding = 1e-12;  // cells, for solids that move as one
   const std::size_t nearest = nearest_at(p, near).body;
   if (near.size() == 1) return displacement(nearest);
   const Vec3 inside = in_box(p);
@@ -99,18 +100,17 @@ Real CutCells::displacement_of_closed(std::size_t a, const std::array<LocalId, 3
   for (const std::size_t k : near) {
     if (distance_to(obstacles_.body(k), inside) > 0.75 * size_.maxCoeff()) continue;
     at_face.push_back(k);
-    alike = alike && displacement(k) == displacement(nearest);
+    alike = alike && std::abs(displacement(k) - displacement(nearest)) <= rounding * size_.maxCoeff();
   }
   if (alike) return displacement(nearest);
   const Real side = side_of_solid(a, cell, at, stride);
-  Real sum = 0, moving = 0;
+  Real sum = 0, moving = 0, still = 0;
   for (const std::size_t k : at_face) {
-    if (!obstacles_.body(k).moves()) continue;
     const Real closed = 1 - closed_by(k, a, corner, side).face[a];
+    (obstacles_.body(k).moves() ? moving : still) += closed;
     sum += closed * displacement(k);
-    moving += closed;
   }
-  return sum / std::max(moving, 1 - face(a, at));
+  return moving == 0 ? 0 : sum / std::max(moving, std::min(moving + still, 1 - face(a, at)));
 }
 
 // Calls use(direction, whether it is the upper face, area of its closed part, centroid of that) for the faces of a

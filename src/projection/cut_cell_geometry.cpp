@@ -61,11 +61,11 @@ void CutCells::find_slopes(std::span<const Real> distance, std::span<Real> slope
   }
 }
 
-// How deep a place is in the solids; `nearest`: that in which it is deepest, and how deep. Where the surface of this one
-// lies on another solid, or in it, there is no water behind it, and the depth is at least that of the place one sample
-// further on, where the next surface may lie on a solid as well: `surfaces` of them are looked at, because three planes
-// meet in a corner. When the plane in which two solids touch counted as their surface, a crack of cells a few hundredths
-// open led out of cavities.
+// How deep a place is in the solids; `nearest`: that in which it is deepest, and how deep. Where the surface of this
+// one lies on another solid, or in it, there is no water behind it, and the depth is at least that of the place one
+// sample further on, where the next surface may lie on a solid as well: `surfaces` of them are looked at, because three
+// planes meet in a corner. When the plane in which two solids touch counted as their surface, a crack of cells a few
+// hundredths open led out of cavities.
 Real CutCells::depth_below(const Vec3& p, const Nearest& nearest, Real width, const Bodies& bodies,
                            int surfaces) const {
   constexpr Real hair = 1e-3;  // of a sample
