@@ -79,15 +79,15 @@ void FreeSurface::classify(Halo& halo) {
   classify_cells(halo);
   if (cuts() == nullptr) {
     enclosed_.find_whole(*this, halo);
-    if (enclosed_.any() && openings_ != nullptr) fill_entered();
+    if (enclosed_.any() && openings_ != nullptr) fill_crossed();
   }
   find_masses(halo);
   if (openings_ != nullptr) openings_->close_sides(grid(), wet_);
 }
 
-// Cells of inlets in water without a surface are wet.
-void FreeSurface::fill_entered() {
-  for (const std::size_t at : openings_->entered_cells()) {
+// Cells at openings in water without a surface are wet.
+void FreeSurface::fill_crossed() {
+  for (const std::size_t at : openings_->crossed_cells()) {
     wet_[at] = wet_cell;
     const std::array<LocalId, 3> cell = grid().cell_at(at);
     close_ceiling(cell[0], cell[1]);

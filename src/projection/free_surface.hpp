@@ -70,10 +70,10 @@ class FreeSurface {
   Real open(std::size_t at) const { return from_.cuts != nullptr ? from_.cuts->open(at) : 1; }
   Real fill(std::size_t at) const { return fill_[at]; }
   bool is_wet(std::size_t at) const { return wet_[at] == wet_cell; }
-  /// Whether a cell is wet, or what it holds says nothing: it is small, or water enters it.
+  /// Whether a cell is wet, or what it holds says nothing: it is small, or water enters or leaves it.
   bool may_hold_water(std::size_t at) const {
     if (is_solid(at) || is_wet(at)) return !is_solid(at);
-    if (openings_ != nullptr && openings_->is_entered(at)) return !is_emptied(at);
+    if (openings_ != nullptr && openings_->is_crossed(at)) return !is_emptied(at);
     return from_.cuts != nullptr && is_small(at) && !is_emptied(at);
   }
   /// Whether any particle is in an owned cell.
@@ -121,7 +121,7 @@ class FreeSurface {
   void find_masses(Halo& halo);
   Real mass_of(const Place& place) const;
   void close_ceiling(LocalId k, LocalId r);
-  void fill_entered();
+  void fill_crossed();
   bool is_full_enough(const Place& place, Real least) const;
   bool is_beside_water(const Place& place, std::size_t at) const;
   bool is_reached_into(const Place& place, Real volume) const;

@@ -151,8 +151,8 @@ void Openings::measure(const ProjectionGrid& grid, const CutCells* cuts) {
   found_ = true;
   if (drained_.size() != grid.cells()) {
     drained_.assign(grid.cells(), 0);
-    entered_.assign(grid.cells(), 0);
-    entered_cells_.clear();
+    crossed_.assign(grid.cells(), 0);
+    crossed_cells_.clear();
     closed_.assign(grid.cells(), 0);
     closed_at_.clear();
     for (auto& of_axis : through_) of_axis.assign(grid.cells(), 0.0);
@@ -175,26 +175,25 @@ void Openings::measure(const ProjectionGrid& grid, const CutCells* cuts) {
   for (const WallOpening& wall : walls_) measure_wall(grid, wall);
   gains_.clear();
   for (const Source& source : sources_) measure_source(grid, source);
-  find_entered(grid);
+  find_crossed(grid);
 }
 
 // Of cells and ghost cells alike.
-void Openings::find_entered(const ProjectionGrid& grid) {
-  for (const std::size_t at : entered_cells_) entered_[at] = 0;
-  entered_cells_.clear();
-  const auto enter = [&](const Cell& cell) {
+void Openings::find_crossed(const ProjectionGrid& grid) {
+  for (const std::size_t at : crossed_cells_) crossed_[at] = 0;
+  crossed_cells_.clear();
+  const auto cross = [&](const Cell& cell) {
     const LocalId k = grid.own_plane(cell[0]), r = grid.own_row(cell[1]);
     if (!is_known(grid, k, r) || cell[2] >= grid.columns()) return;
     const std::size_t at = grid.index(k, r, cell[2]);
-    if (entered_[at] == 0) entered_cells_.push_back(at);
-    entered_[at] = 1;
+    if (crossed_[at] == 0) crossed_cells_.push_back(at);
+    crossed_[at] = 1;
   };
   for (const Source& source : sources_) {
     const Vec3 half = Vec3::Constant(spacing_ / 2);
-    for_each_cell_in(grid, {source.place - half, source.place + half}, enter);
+    for_each_cell_in(grid, {source.place - half, source.place + half}, cross);
   }
   for (const WallOpening& wall : walls_) {
-    if (wall.takes_all) continue;
     Box opening;
     opening.min[wall.axis] = opening.max[wall.axis] =
         wall.at_max ? INFINITY : grid.low(grid.axis(0) == static_cast<std::size_t>(wall.axis) ? 0 : 1);
@@ -202,7 +201,7 @@ void Openings::find_entered(const ProjectionGrid& grid) {
     opening.max[1 - wall.axis] = wall.across[1];
     opening.min.z() = wall.bottom;
     opening.max.z() = wall.bottom + static_cast<Real>(wall.displacement.size()) * wall.row_height;
-    for_each_cell_in(grid, opening, enter);
+    for_each_cell_in(grid, opening, cross);
   }
 }
 
@@ -299,7 +298,7 @@ void Openings::measure_face(const ProjectionGrid& grid, const WallOpening& wall,
 }
 
 std::size_t Openings::bytes() const {
-  return drained_.capacity() + entered_.capacity() + closed_.capacity() + 3 * through_[0].capacity() * sizeof(Real) +
+  return drained_.capacity() + crossed_.capacity() + closed_.capacity() + 3 * through_[0].capacity() * sizeof(Real) +
          faces_.capacity() * sizeof(Face) + drained_cells_.capacity() * sizeof(Drained);
 }
 

@@ -51,10 +51,10 @@ class Openings {
   void measure(const ProjectionGrid& grid, const CutCells* cuts);
 
   bool is_drained(std::size_t at) const { return drained_[at] == open_to_air; }
-  /// Whether an inlet brings water into a cell, or a ghost cell. It comes in layers, between which the cell may seem
-  /// empty.
-  bool is_entered(std::size_t at) const { return entered_[at] != 0; }
-  const std::vector<std::size_t>& entered_cells() const { return entered_cells_; }
+  /// Whether water enters a cell, or a ghost cell, from an inlet, or leaves it through a wall. It does so particle by
+  /// particle or in layers, so that the cell may seem empty for a while.
+  bool is_crossed(std::size_t at) const { return crossed_[at] != 0; }
+  const std::vector<std::size_t>& crossed_cells() const { return crossed_cells_; }
   /// Whether the cell is drained, or stays empty because a drain takes all of it, at the edge of the drain's region.
   bool is_emptied(std::size_t at) const { return drained_[at] != 0; }
   /// Closes the sides of holes under water. `wet`: of all cells.
@@ -120,7 +120,7 @@ class Openings {
   void find_wall(const ProjectionGrid& grid, std::size_t first);
   static void find_obstacle(const CutCells& cuts, std::size_t at, bool is_highest, Drained& drained);
   void close(std::size_t a, std::size_t at);
-  void find_entered(const ProjectionGrid& grid);
+  void find_crossed(const ProjectionGrid& grid);
   void measure_wall(const ProjectionGrid& grid, const WallOpening& wall);
   void measure_face(const ProjectionGrid& grid, const WallOpening& wall, const Cell& cell);
   void measure_source(const ProjectionGrid& grid, const Source& source);
@@ -131,8 +131,8 @@ class Openings {
   std::vector<WallOpening> walls_;
   bool found_ = false;
   std::vector<Drained> drained_cells_;
-  std::vector<std::size_t> marked_, closed_at_, entered_cells_;  // of drained_, closed_ and entered_
-  std::vector<char> drained_, entered_;
+  std::vector<std::size_t> marked_, closed_at_, crossed_cells_;  // of drained_, closed_ and crossed_
+  std::vector<char> drained_, crossed_;
   std::vector<unsigned char> closed_;  // a bit for each direction
   std::array<std::vector<Real>, 3> through_;
   std::vector<Face> faces_;
