@@ -111,6 +111,14 @@ def leaks():
         yield [row["vessel"], row["particles"], row["lost"], row["outside"], row["farthest_m"].lstrip("-")]
 
 
+def ducts():
+    yield ["case", "spacing, m", "steps a second", "quantity", "theory", "measured"]
+    for row in rows_of("ducts"):
+        decimals = 0 if "Pa" in row["quantity"] else 4
+        yield [row["case"], row["spacing"], row["steps_per_second"], row["quantity"], fixed(row["theory"], decimals),
+               fixed(row["measured"], decimals)]
+
+
 def full_vessels():
     yield ["vessel", "spacing, m", "steps a second", "energy over a rigid body's", "velocities off", "compression"]
     for row in rows_of("full_vessels"):
@@ -197,7 +205,7 @@ def shapes():
 
 TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
     "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
-    "frames": frames, "channels": channels, "currents": currents, "bodies": bodies, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
+    "frames": frames, "channels": channels, "ducts": ducts, "currents": currents, "bodies": bodies, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
     "leaks": leaks, "full_vessels": full_vessels, "scaling_shapes": shapes}
 
 

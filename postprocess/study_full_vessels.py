@@ -3,8 +3,8 @@
 
 A vessel that only translates gives its water no circulation, so that all of it has the velocity of the vessel. One row for
 each vessel, spacing and step: energy over that of a rigid body and mean compression, both from 1 s on, and how much the
-velocities differ from the vessel's at the end, over its speed (root mean square). The last rows are of a box that a wall divides
-into a full and a half full tank, both at rest: kinetic energy per mass.
+velocities differ from the vessel's at the end, over its speed (root mean square). One vessel consists of six boxes that move
+together. The last rows are of a box that a wall divides into a full and a half full tank, both at rest: kinetic energy per mass.
 """
 
 import math
@@ -17,6 +17,7 @@ from study import GRAVITY, columns_of, launch, mean, parser_of, states_of, two_a
 
 RADIUS, SECONDS = 0.3, 3  # m; s
 RATE = math.sqrt(GRAVITY / RADIUS)  # rad/s
+SIX = "six boxes"
 VESSELS = {
     "box": 'type = "box"\nsize = [0.8, 0.8, 0.8]',
     "box off the lattice": 'type = "box"\nsize = [0.81, 0.81, 0.81]',
@@ -24,6 +25,7 @@ VESSELS = {
     "sphere": 'type = "sphere"\nradius = 0.6',
     "cylinder, lying": 'type = "cylinder"\nradius = 0.5\nheight = 0.9\nrotate = [90, 0, 0]',
     "torus": 'type = "torus"\nradius = 0.6\ntube = 0.25',
+    SIX: "",
 }
 SCENE = """
 [domain]
@@ -56,10 +58,24 @@ def block(low, high):
     return f"[[particles]]\nmin = {low}\nmax = {high}"
 
 
+def along_circle(center):
+    knots = ",\n".join(str([k / 240, *(place(k / 240) + center).tolist()]) for k in range(SECONDS * 240 + 2))
+    return f"center = {center}\nmotion = [{knots}]"
+
+
 def carried(shape):
-    knots = ",\n".join(str([k / 240, *place(k / 240).tolist()]) for k in range(SECONDS * 240 + 2))
-    return {"low": [-1.6, -1.0, -1.4], "high": [1.6, 1.0, 1.6], "water": block([-1.2, -0.9, -0.9], [1.2, 0.9, 0.9]),
-            "obstacle": f"{shape}\ncenter = [0, 0, 0]\ninside = true\nmotion = [{knots}]"}
+    parts = {"low": [-1.6, -1.0, -1.4], "high": [1.6, 1.0, 1.6], "water": block([-1.2, -0.9, -0.9], [1.2, 0.9, 0.9])}
+    if shape:
+        return parts | {"obstacle": f"{shape}\ninside = true\n" + along_circle([0, 0, 0])}
+    low, high = -0.37, 0.43  # of the space between the boxes
+    boxes = []
+    for axis in range(3):  # those across later axes lie between those across earlier ones
+        for upper in (False, True):
+            ends = [[low - 0.5, high + 0.5] if other < axis else [low, high] for other in range(3)]
+            ends[axis] = [high, high + 0.5] if upper else [low - 0.5, low]
+            center, size = [(a + b) / 2 for a, b in ends], [b - a for a, b in ends]
+            boxes.append(f'type = "box"\nsize = {size}\n' + along_circle(center))
+    return parts | {"water": block([low] * 3, [high] * 3), "obstacle": "\n[[obstacle]]\n".join(boxes)}
 
 
 def divided():
