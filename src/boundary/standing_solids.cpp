@@ -48,7 +48,9 @@ OpenVolume::OpenVolume(const Box& part, const StandingSolids& solids, const Sett
         open += solids.open_share(part.min + size.cwiseProduct(place), edge);
       }
     }
-    areas_.push_back(size.x() * size.y() * open / (along * across));
+    constexpr Real rounding = 1e-6;
+    const Real share = open / (along * across);
+    areas_.push_back(share > rounding ? size.x() * size.y() * share : 0);
     volume_.push_back(volume_.back() + areas_.back() * height_);
   }
 }

@@ -6,13 +6,18 @@ namespace trevi {
 
 void BodyCoupling::add_cell(LocalId k, LocalId r, LocalId c, const Water& water) {
   const RigidBodies& bodies = *obstacles_.floating();
-  const std::size_t nearest = cuts_.nearest(water.surface.grid().index(k, r, c));
-  if (!bodies.holds(nearest)) return;
-  RecordForces::Pushes pushes = water.forces.pushes_of_cell(k, r, c);
-  for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].arm -= bodies.center(nearest);
-  pushes_.add(nearest - bodies.first(), {pushes.all.data(), pushes.count});
+  const std::size_t at = water.surface.grid().index(k, r, c);
+  if (!cuts_.is_pushed(at)) return;
+  const RecordForces::Pushes pushes = water.forces.pushes_of_cell(k, r, c);
+  for (std::size_t n = 0; n < pushes.count; ++n) {
+    if (!bodies.holds(pushes.solid[n])) continue;
+    const auto& [shift, arm] = pushes.all[n];
+    const Impulse push{shift, arm - bodies.center(pushes.solid[n])};
+    pushes_.add(pushes.solid[n] - bodies.first(), {&push, 1});
+  }
+  if (!cuts_.floats(at)) return;
   const Vec3 given = water.beside.of_body(k, r, c, water.order);
-  if (!given.isZero(0)) pushes_.add(nearest - bodies.first(), TotalImpulse{given, Vec3::Zero()});
+  if (!given.isZero(0)) pushes_.add(cuts_.nearest(at) - bodies.first(), TotalImpulse{given, Vec3::Zero()});
 }
 
 // Each thread sums its rows in integers, so the result does not depend on the order.

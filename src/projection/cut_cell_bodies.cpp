@@ -25,8 +25,8 @@ const CutCells::BodyFace* CutCells::body_face(std::size_t a, std::size_t at) con
   return nullptr;
 }
 
-// The part of the face (a, at), with a share of 0 if no floating body closes any of it. Where another solid is also
-// near, the part that the body closes by itself is measured: when the body was given all of it, a body half a spacing
+// The part of the face (a, at), with a share of 0 if no floating body closes any of it. Where another solid closes some
+// of it, too, the part that the body closes by itself is measured: when the body was given all of it, a body half a spacing
 // above a slab was pressed onto the slab by the weight of the water around it.
 CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner,
                                               std::size_t at, const Bodies& near, std::size_t stride) const {
@@ -39,7 +39,7 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
     const Real d = distance_to(obstacles_.body(k), inside);
     if (d > 1.5 * size_.maxCoeff()) continue;
     if (!floating.holds(k)) {
-      others.push_back(k);
+      if (closes(k, a, corner)) others.push_back(k);
     } else if (d < nearest.distance) {
       nearest = {d, k};
     }
@@ -83,6 +83,12 @@ CutCells::Cell CutCells::closed_by(std::size_t body, std::size_t a, const Vec3& 
   return alone;
 }
 
+// Whether a solid by itself closes any of a face, or of what is next to it on either side, where its surface may lie on
+// the face.
+bool CutCells::closes(std::size_t body, std::size_t a, const Vec3& corner) const {
+  return closed_by(body, a, corner, 1).face[a] < 1 || closed_by(body, a, corner, -1).face[a] < 1;
+}
+
 // The displacement of the closed part of a face, from that of each solid by what it closes. Where solids overlap, the
 // part is that of those that move: what one of them moves through the faces of a cell then adds up to what its surface
 // in the cell displaces. With the solid nearest to the centre of the face, a lid that slid over the walls of a cavity
@@ -113,26 +119,32 @@ Real CutCells::displacement_of_closed(std::size_t a, const std::array<LocalId, 3
   return moving == 0 ? 0 : sum / std::max(moving, std::min(moving + still, 1 - face(a, at)));
 }
 
-// Calls use(direction, whether it is the upper face, area of its closed part, centroid of that) for the faces of a
-// cell. The part is that of the nearest solid: what a floating body closes of the face, or otherwise all that is
-// closed.
+// Calls use(solid, direction, whether it is the upper face, area of the part that this solid closes, centroid of that)
+// for the faces of a cell: what floating bodies close, and unless the nearest solid is one of these, what else is closed
+// as the part of the nearest solid.
 template <class Use>
 void CutCells::for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
-  const bool floating = floats(at);
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
       const std::size_t face_at = upper ? at + step_[a] : at;
-      if (face(a, face_at) == 1) continue;
-      if (floating) {
-        const BodyFace* const own = body_face(a, face_at);
-        if (own != nullptr) use(a, upper, own->share * (1 - face(a, face_at)), own->p);
-        continue;
-      }
+      const Real closed = 1 - face(a, face_at);
+      if (closed == 0) continue;
+      const BodyFace* const own = any_floats() ? body_face(a, face_at) : nullptr;
+      if (own != nullptr) use(own->body, a, upper, own->share * closed, own->p);
+      if (floats(at) || (own != nullptr && own->share == 1)) continue;
       std::array<LocalId, 3> of_face = cell;
       of_face[a] += upper ? 1 : 0;
-      use(a, upper, 1 - face(a, face_at), middle_of_closed(a, of_face, face_at));
+      use(nearest(at), a, upper, own != nullptr ? (1 - own->share) * closed : closed,
+          middle_of_closed(a, of_face, face_at));
     }
   }
+}
+
+bool CutCells::is_pushed(std::size_t at) const {
+  if (floats(at)) return true;
+  for (std::size_t a = 0; a < 3 && any_floats(); ++a)
+    if (body_face(a, at) != nullptr || body_face(a, at + step_[a]) != nullptr) return true;
+  return false;
 }
 
 namespace {
@@ -187,11 +199,11 @@ CutCells::Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_
                                   const CellPressure& pressure) const {
   Pushes pushes;
   const Real level = middle(cell[0], cell[1], cell[2]).z();
-  for_each_closed(cell, at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
+  for_each_closed(cell, at, [&](std::size_t body, std::size_t a, bool upper, Real closed, const Vec3& arm) {
     const Real push = (pressure.phi + pressure.fall * (arm.z() - level)) / size_[static_cast<Eigen::Index>(a)] * closed;
-    pushes.add((upper ? push : -push) * Vec3::Unit(axis_[a]), arm);
+    pushes.add(body, (upper ? push : -push) * Vec3::Unit(axis_[a]), arm);
   });
-  if (pushes.count > 0) pushes.add(-pressure.fall * solid(at) * Vec3::UnitZ(), middle_of_solid(cell, at));
+  if (pushes.count > 0) pushes.add(nearest(at), -pressure.fall * solid(at) * Vec3::UnitZ(), middle_of_solid(cell, at));
   return pushes;
 }
 
@@ -244,26 +256,28 @@ CutCells::Pushes CutCells::pushes_below(const std::array<LocalId, 3>& cell, std:
   const Real floor = corner.z(), fall = pressure.fall * size_[2];
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // closed areas of the lower and upper face times their centroids
   Real low_area = 0, high_area = 0;
-  for_each_closed(cell, at, [&](std::size_t a, bool upper, Real closed, const Vec3& arm) {
+  for_each_closed(cell, at, [&](std::size_t body, std::size_t a, bool upper, Real closed, const Vec3& arm) {
     const Vec3 out = (upper ? 1 : -1) / size_[static_cast<Eigen::Index>(a)] * Vec3::Unit(axis_[a]);
-    if (pressure.phi != 0) pushes.add((a < 2 ? height : 1) * pressure.phi * closed * out, arm);
+    if (pressure.phi != 0) pushes.add(body, (a < 2 ? height : 1) * pressure.phi * closed * out, arm);
     if (a == 2) {
-      (upper ? high : low) = closed * (arm - corner);
-      (upper ? high_area : low_area) = closed;
-      if (!upper) pushes.add(-fall * height * closed * out, arm);
+      if (body == nearest(at)) {
+        (upper ? high : low) = closed * (arm - corner);
+        (upper ? high_area : low_area) = closed;
+      }
+      if (!upper) pushes.add(body, -fall * height * closed * out, arm);
       return;
     }
     const Strip wet(closed, (arm.z() - floor) / size_[2], height);
     if (!(wet.area > 0)) return;
     const Vec3 middle(arm.x(), arm.y(), floor + size_[2] * wet.moment / wet.area);
-    pushes.add(fall * (wet.moment - height * wet.area) * out, middle);
+    pushes.add(body, fall * (wet.moment - height * wet.area) * out, middle);
   });
   const Real all = solid(at), volume = integral(low_area, high_area, all, height);
   if (pushes.count == 0 || volume == 0) return pushes;
   const Vec3 moment = all * (middle_of_solid(cell, at) - corner);
   Vec3 middle = corner;
   for (const Eigen::Index i : {0, 1}) middle[i] += integral(low[i], high[i], moment[i], height) / volume;
-  pushes.add(-pressure.fall * volume * Vec3::UnitZ(), middle);
+  pushes.add(nearest(at), -pressure.fall * volume * Vec3::UnitZ(), middle);
   return pushes;
 }
 

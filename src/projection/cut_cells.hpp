@@ -123,10 +123,16 @@ class CutCells {
     Real phi, fall;
   };
   struct Pushes {
-    std::array<Impulse, 13> all;
+    std::array<Impulse, 25> all;
+    std::array<std::size_t, 25> solid;  // on which each of them acts
     std::size_t count = 0;
-    void add(const Vec3& shift, const Vec3& place) { all[count++] = {shift, place}; }
+    void add(std::size_t on, const Vec3& shift, const Vec3& place) {
+      solid[count] = on;
+      all[count++] = {shift, place};
+    }
   };
+  /// Whether the pressure of a cell pushes a freely moving body.
+  bool is_pushed(std::size_t at) const;
   /// The impulses that the pressure of a cell gives to its water at each of its faces that a solid closes, m. Their
   /// points of application are the centroids of the closed parts, so that the work on any motion of a body equals the
   /// work on the flux of the cell. By Gauss's theorem on the solid part of the cell this is exact for water at rest,
@@ -326,6 +332,7 @@ class CutCells {
                             const Bodies& near, std::size_t stride) const;
   Real side_of_solid(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at, std::size_t stride) const;
   Cell closed_by(std::size_t body, std::size_t a, const Vec3& corner, Real side) const;
+  bool closes(std::size_t body, std::size_t a, const Vec3& corner) const;
   Real displacement_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner, std::size_t at,
                               const Bodies& near, std::size_t stride) const;
   std::array<std::size_t, 3> step_{};

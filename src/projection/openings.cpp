@@ -291,7 +291,8 @@ void Openings::measure_face(const ProjectionGrid& grid, const WallOpening& wall,
     flux += part * wall.displacement[n];
   }
   const Real beside = overlap(left, left + width, wall.across[0], wall.across[1]) / width;
-  if (covered * beside <= 0) return;
+  constexpr Real rounding = 1e-9;
+  if (covered * beside <= rounding) return;
   const std::size_t at = grid.index(k, r, c), face = at + (wall.at_max ? grid.step(a) : 0);
   through_[a][face] = flux / covered;
   faces_.push_back({at, a, face, wall.at_max, std::min(covered * beside, 1.0), wall.takes_all});

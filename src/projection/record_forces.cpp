@@ -101,15 +101,13 @@ RecordForces::Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId 
   return {};
 }
 
-// The pressure on the solid nearest to a cell that it cuts, which is recorded for that solid. Returns the sum, about
-// the centre of the box.
+// The pressure on the solids in a cell, which is recorded for these. Returns the sum, about the centre of the box.
 TotalImpulse RecordForces::of_cell(LocalId k, LocalId r, LocalId c) const {
   const Pushes pushes = pushes_of_cell(k, r, c);
-  const std::size_t nearest = surface_.cuts()->nearest(surface_.grid().index(k, r, c));
   TotalImpulse sum;
   for (std::size_t n = 0; n < pushes.count; ++n) {
     const auto& [shift, place] = pushes.all[n];
-    obstacles_.record_projection(nearest, shift, place);
+    obstacles_.record_projection(pushes.solid[n], shift, place);
     sum += obstacles_.about_middle(shift, place);
   }
   return sum;
