@@ -104,7 +104,7 @@ class GridToParticles {
   };
   Real rise_across(const Pressure& pressure, std::size_t a, LocalId k, LocalId r, LocalId c) const;
   Real at_surface(std::size_t a, std::size_t at, const FacePair& faces) const;
-  Vec3 at_surface(std::size_t at, const Faces& faces) const;
+  Vec3 at_surface(std::size_t at, std::size_t own, const Faces& faces) const;
   std::optional<SolidSurface> solid_surface(std::size_t at, std::size_t own, const Faces& faces,
                                             const Vec3& pushed) const;
   void slip(std::size_t at, std::size_t own, Faces& faces) const;

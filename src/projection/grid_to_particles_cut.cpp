@@ -51,9 +51,9 @@ Real GridToParticles::at_surface(std::size_t a, std::size_t at, const FacePair& 
 }
 
 // Beside floating bodies this is the displacement that bears the weight: with that of the faces, bodies lean and heave
-// more.
-Vec3 GridToParticles::at_surface(std::size_t at, const Faces& faces) const {
-  if (surface_.cuts()->floats(at)) return {0, 0, step_.g_dt2};
+// more. There it is asked for while the pressure is still being found, when rises are not known.
+Vec3 GridToParticles::at_surface(std::size_t at, std::size_t own, const Faces& faces) const {
+  if (surface_.cuts()->floats(at) || surface_.cuts()->floats(own)) return {0, 0, step_.g_dt2};
   return {at_surface(0, at, faces[0]), at_surface(1, at, faces[1]), at_surface(2, at, faces[2])};
 }
 
@@ -104,7 +104,7 @@ std::optional<GridToParticles::SolidSurface> GridToParticles::solid_surface(std:
 void GridToParticles::slip(std::size_t at, std::size_t own, Faces& faces) const {
   const ProjectionGrid& grid = surface_.grid();
   const CutCells& cuts = *surface_.cuts();
-  const Vec3 pushed = at_surface(at, faces);
+  const Vec3 pushed = at_surface(at, own, faces);
   const std::optional<SolidSurface> solid = solid_surface(at, own, faces, pushed);
   if (!solid) return;
   for (std::size_t a = 0; a < 3; ++a) {
