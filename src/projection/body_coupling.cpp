@@ -29,7 +29,9 @@ std::vector<Six> BodyCoupling::pressed(const Water& water) {
     const Range cut = cuts_.cut_columns(k, r);
     for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns(k, r)); ++c) add_cell(k, r, c, water);
   });
-  const std::vector<TotalImpulse> all = pushes_.total(comm_);
+  std::vector<TotalImpulse> all = pushes_.total(comm_);
+  const std::vector<TotalImpulse>& films = films_.press(water.surface, water.forces, water.spacing);
+  for (std::size_t k = 0; k < films.size(); ++k) all[k] += films[k];
   std::vector<Six> impulses;
   for (std::size_t k = 0; k < all.size(); ++k) impulses.push_back(bodies.take_pressure(k, all[k]));
   return impulses;
@@ -40,6 +42,7 @@ void BodyCoupling::solve(Pressure& pressure, Halo& halo, const Water& water) {
   const FreeSurface& surface = water.surface;
   pressure.begin(halo);
   pressure.show(surface, halo);
+  films_.find(surface);
   std::vector<Six> pressure_on = pressed(water);
   for (int iteration = 0; iteration < projection::max_coupling_iterations; ++iteration) {
     if (iteration >= projection::min_coupling_iterations &&

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "projection/contact_films.hpp"
 #include "projection/pressure.hpp"
 #include "projection/record_beside.hpp"
 
@@ -14,7 +15,11 @@ namespace trevi {
 class BodyCoupling {
  public:
   BodyCoupling(MPI_Comm comm, CutCells& cuts, Obstacles& obstacles, Real h)
-      : comm_(comm), cuts_(cuts), obstacles_(obstacles), pushes_(obstacles.floating()->count(), h) {}
+      : comm_(comm),
+        cuts_(cuts),
+        obstacles_(obstacles),
+        pushes_(obstacles.floating()->count(), h),
+        films_(comm, cuts, obstacles, h) {}
 
   /// The water that moves the bodies: `forces` has the pressure on cells, and `beside` the further impulses that closed
   /// faces give to the water, which is where `order` has particles.
@@ -23,9 +28,12 @@ class BodyCoupling {
     const RecordForces& forces;
     const RecordBeside& beside;
     const CellOrder& order;
+    Real spacing;
   };
   /// Solves for the pressure, whose equation is assembled, and for the bodies.
   void solve(Pressure& pressure, Halo& halo, const Water& water);
+  /// Records what the films between bodies and what they touch give, by the last pressure.
+  void record_films() const { films_.record(); }
 
  private:
   std::vector<Six> pressed(const Water& water);
@@ -35,6 +43,7 @@ class BodyCoupling {
   CutCells& cuts_;
   Obstacles& obstacles_;
   ImpulseLedger pushes_;  // of the present pressure
+  ContactFilms films_;
 };
 
 }  // namespace trevi

@@ -119,27 +119,6 @@ Real CutCells::displacement_of_closed(std::size_t a, const std::array<LocalId, 3
   return moving == 0 ? 0 : sum / std::max(moving, std::min(moving + still, 1 - face(a, at)));
 }
 
-// Calls use(solid, direction, whether it is the upper face, area of the part that this solid closes, centroid of that)
-// for the faces of a cell: what floating bodies close, and unless the nearest solid is one of these, what else is closed
-// as the part of the nearest solid.
-template <class Use>
-void CutCells::for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (const bool upper : {false, true}) {
-      const std::size_t face_at = upper ? at + step_[a] : at;
-      const Real closed = 1 - face(a, face_at);
-      if (closed == 0) continue;
-      const BodyFace* const own = any_floats() ? body_face(a, face_at) : nullptr;
-      if (own != nullptr) use(own->body, a, upper, own->share * closed, own->p);
-      if (floats(at) || (own != nullptr && own->share == 1)) continue;
-      std::array<LocalId, 3> of_face = cell;
-      of_face[a] += upper ? 1 : 0;
-      use(nearest(at), a, upper, own != nullptr ? (1 - own->share) * closed : closed,
-          middle_of_closed(a, of_face, face_at));
-    }
-  }
-}
-
 bool CutCells::is_pushed(std::size_t at) const {
   if (floats(at)) return true;
   for (std::size_t a = 0; a < 3 && any_floats(); ++a)

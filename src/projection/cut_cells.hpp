@@ -131,6 +131,26 @@ class CutCells {
       all[count++] = {shift, place};
     }
   };
+  /// Calls use(solid, direction, whether it is the upper face, area of the part that this solid closes, centroid of
+  /// that, m) for the faces of a cell: what floating bodies close, and unless the nearest solid is one of these, what
+  /// else is closed as the part of the nearest solid.
+  template <class Use>
+  void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (const bool upper : {false, true}) {
+        const std::size_t face_at = upper ? at + step_[a] : at;
+        const Real closed = 1 - face(a, face_at);
+        if (closed == 0) continue;
+        const BodyFace* const own = any_floats() ? body_face(a, face_at) : nullptr;
+        if (own != nullptr) use(own->body, a, upper, own->share * closed, own->p);
+        if (floats(at) || (own != nullptr && own->share == 1)) continue;
+        std::array<LocalId, 3> of_face = cell;
+        of_face[a] += upper ? 1 : 0;
+        use(nearest(at), a, upper, own != nullptr ? (1 - own->share) * closed : closed,
+            middle_of_closed(a, of_face, face_at));
+      }
+    }
+  }
   /// Whether the pressure of a cell pushes a freely moving body.
   bool is_pushed(std::size_t at) const;
   /// The impulses that the pressure of a cell gives to its water at each of its faces that a solid closes, m. Their
@@ -287,8 +307,6 @@ class CutCells {
   std::vector<GlobalId> sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const;
   // Area of the solid surface in a cell, in faces.
   Real area(std::size_t at) const;
-  template <class Use>
-  void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
   void find_columns(const ProjectionGrid& grid);
   void find_cut_rows(const ProjectionGrid& grid);
   std::size_t row_index(LocalId k, LocalId r) const {

@@ -56,7 +56,7 @@ void Projection::solve(const CellOrder& order, Halo& halo, const Pressure::Step&
   const RecordForces forces(surface_, pressure_, *obstacles_, model_.spacing, step.g_dt2);
   const RecordBeside beside({surface_, pressure_, grid_to_particles_, forces, particles_to_grid_.frame()}, *obstacles_,
                             model_.spacing, step.g_dt2);
-  coupling_->solve(pressure_, halo, {surface_, forces, beside, order});
+  coupling_->solve(pressure_, halo, {surface_, forces, beside, order, model_.spacing});
 }
 
 void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion& motion) {
@@ -117,6 +117,7 @@ void Projection::record_forces(const CellOrder& order, Real g_dt2, const Motion&
     record.of_row<T>(k, r, out.subspan(begin, end - begin), motion.x.subspan(begin, end - begin));
     beside.of_row(k, r, order, motion);
   });
+  if (coupling_) coupling_->record_films();
   record.of_gauges(box_);
 }
 

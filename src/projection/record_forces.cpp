@@ -77,6 +77,16 @@ Real RecordForces::on_side(std::size_t at) const {
   return -fall_at(at - 1) * surface_.grid().size()[2] * over * over / 2;
 }
 
+Real RecordForces::at_height(std::size_t at, Real height) const {
+  const Real size = surface_.grid().size()[2];
+  if (!surface_.is_wet(at)) {
+    const Real over = surface_.filled_height(at);
+    return over > height ? -fall_at(at - 1) * size * (over - height) : 0;
+  }
+  const Real fall = surface_.height(at) < 1 ? fall_at(at) : g_dt2_;
+  return std::min(pressure_.phi_so_far(at) + fall * size * (height - 0.5), 0.0);
+}
+
 RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
   Pushes pushes = shifts_of_cell(k, r, c);
   const Real particles = surface_.grid().size().prod() / (spacing_ * spacing_ * spacing_);

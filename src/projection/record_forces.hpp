@@ -26,6 +26,8 @@ class RecordForces {
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
   /// The pressure on a vertical side of a cell up to the height of the water, averaged over the whole side, m².
   Real on_side(std::size_t at) const;
+  /// The pressure at a height in a cell, which is 0 to 1 from its lower to its upper face, m².
+  Real at_height(std::size_t at, Real height) const;
 
  private:
   Pushes shifts_of_cell(LocalId k, LocalId r, LocalId c) const;

@@ -332,6 +332,12 @@ void Obstacles::take_from_rest(std::size_t account, const TotalImpulse& part) {
   record_rest({-part.shift, -own.moment - of_shift});
 }
 
+void Obstacles::record_between(std::size_t body, std::size_t other, const TotalImpulse& push) {
+  ledger_.add(body, push);
+  const Vec3 from_other = arm_center(body) - (other == box_account() ? middle_of_box_ : arm_center(other));
+  ledger_.add(other, {-push.shift, -push.moment - from_other.cross(push.shift)});
+}
+
 void Obstacles::record_box(std::span<Impulse> impulses) {
   for (Impulse& push : impulses) {
     push.shift *= relaxation_;

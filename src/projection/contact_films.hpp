@@ -1,0 +1,53 @@
+// The pressure between a freely moving body and what it touches. Where a body lies on the floor, on an obstacle or on
+// another body, there is no water in a cell between them whose pressure acts on it, as if the contact were sealed: light
+// bodies stayed on the floor. Real surfaces leave a film of water between them, which has the pressure of the water
+// around the contact.
+//
+// A uniform pressure on all of a closed surface adds up to nothing. What such a pressure would do to a body in all cells
+// around it is therefore the opposite of what it does in the contact, along each axis by itself: the contact needs no
+// description. Collective, except record().
+#pragma once
+
+#include <vector>
+
+#include "projection/record_forces.hpp"
+
+namespace trevi {
+
+class ContactFilms {
+ public:
+  ContactFilms(MPI_Comm comm, const CutCells& cuts, Obstacles& obstacles, Real h);
+
+  /// Finds the bodies that touch something, in cells that have been measured.
+  void find(const FreeSurface& surface);
+  /// The impulses that the films of the present pressure give to the water, as if it were in contact with all of a body,
+  /// about the centres of the bodies; empty if no body touches anything.
+  const std::vector<TotalImpulse>& press(const FreeSurface& surface, const RecordForces& forces, Real spacing);
+  /// Records these for the bodies, and their opposites for what they touch.
+  void record() const;
+
+ private:
+  // A side of a body on which it touches something: lower or upper, along one of three directions of the grid.
+  static constexpr std::size_t sides = 6;
+  static std::size_t side(std::size_t a, bool upper) { return 2 * a + (upper ? 1 : 0); }
+  struct Contact {
+    std::size_t body, a;
+    bool upper;
+    TotalImpulse uniform;  // what a pressure of 1 m² gives to the water in all cells around the body
+  };
+  void add_cell(const FreeSurface& surface, const std::array<LocalId, 3>& cell);
+  template <class Visit>
+  void for_each_touched(const FreeSurface& surface, const std::array<LocalId, 3>& cell, std::size_t body,
+                        const Visit& visit) const;
+
+  MPI_Comm comm_;
+  const CutCells& cuts_;
+  Obstacles& obstacles_;
+  Real h_;
+  ImpulseLedger uniform_, around_;  // for each body and direction; for each body and side
+  std::vector<Contact> contacts_;
+  std::vector<int> touched_;  // for each body and side, the account of what is touched there, from 1; 0: nothing
+  std::vector<TotalImpulse> films_;
+};
+
+}  // namespace trevi
