@@ -1,11 +1,11 @@
 // The pressure between a freely moving body and what it touches. Where a body lies on the floor, on an obstacle or on
-// another body, there is no water in a cell between them whose pressure acts on it, as if the contact were sealed: light
-// bodies stayed on the floor. Real surfaces leave a film of water between them, which has the pressure of the water
-// around the contact.
+// another body, there is no water in a cell between them whose pressure acts on it, as if the contact were sealed:
+// light bodies stayed on the floor. Real surfaces leave a film of water between them, which has the pressure of the
+// water around the contact.
 //
-// A uniform pressure on all of a closed surface adds up to nothing. What such a pressure would do to a body in all cells
-// around it is therefore the opposite of what it does in the contact, along each axis by itself: the contact needs no
-// description. Collective, except record().
+// A uniform pressure on all of a closed surface adds up to nothing. What such a pressure would do to a body in all
+// cells around it is therefore the opposite of what it does in the contact, along each axis by itself: the contact
+// needs no description. Collective, except record().
 #pragma once
 
 #include <vector>
@@ -20,8 +20,8 @@ class ContactFilms {
 
   /// Finds the bodies that touch something, in cells that have been measured.
   void find(const FreeSurface& surface);
-  /// The impulses that the films of the present pressure give to the water, as if it were in contact with all of a body,
-  /// about the centres of the bodies; empty if no body touches anything.
+  /// The impulses that the films of the present pressure give to the water, as if it were in contact with all of a
+  /// body, about the centres of the bodies; empty if no body touches anything.
   const std::vector<TotalImpulse>& press(const FreeSurface& surface, const RecordForces& forces, Real spacing);
   /// Records these for the bodies, and their opposites for what they touch.
   void record() const;

@@ -26,8 +26,8 @@ const CutCells::BodyFace* CutCells::body_face(std::size_t a, std::size_t at) con
 }
 
 // The part of the face (a, at), with a share of 0 if no floating body closes any of it. Where another solid closes some
-// of it, too, the part that the body closes by itself is measured: when the body was given all of it, a body half a spacing
-// above a slab was pressed onto the slab by the weight of the water around it.
+// of it, too, the part that the body closes by itself is measured: when the body was given all of it, a body half a
+// spacing above a slab was pressed onto the slab by the weight of the water around it.
 CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner,
                                               std::size_t at, const Bodies& near, std::size_t stride) const {
   const RigidBodies& floating = *obstacles_.floating();

@@ -1,0 +1,141 @@
+// Bodies beside solids and on them: these take nothing of what the water does to a body, and the film of water in
+// a contact has the pressure of the water around it.
+#include <cmath>
+#include <numbers>
+
+#include "base/threads.hpp"
+#include "body_run.hpp"
+#include "fluid/constraint/density.hpp"
+#include "support/cloud.hpp"
+
+namespace trevi::test {
+namespace {
+
+constexpr Real pi = std::numbers::pi, half = 0.25;
+
+struct Shape {
+  std::string text;
+  Real volume;
+};
+const std::vector<Shape> shapes{
+    {"type = \"sphere\"\nradius = 0.25", 4.0 / 3 * pi* half* half* half},
+    {"type = \"box\"\nsize = [0.5, 0.5, 0.5]", 0.125},
+    {"type = \"cylinder\"\nradius = 0.25\nheight = 0.5\naxis = [1, 0, 0]", pi* half* half * 0.5}};
+
+std::string body_of(const std::string& shape, Real x, Real z, Real density) {
+  return fmt::format("[[body]]\n{}\ncenter = [{}, 0.8, {}]\ndensity = {}\n", shape, x, z, density);
+}
+
+// A metre of water on the floor of the box, or on that of an obstacle.
+std::string water_on(std::optional<Real> floor) {
+  const std::string tank = tank_with_gravity({.min = floor ? "0, 0, -0.6" : "0, 0, 0",
+                                              .max = "1.8, 1.6, 2",
+                                              .water = {{fmt::format("0, 0, {}", floor.value_or(0)), "1.8, 1.6, 1"}}});
+  return !floor ? tank
+                : tank + fmt::format("[[obstacle]]\ntype = \"box\"\ncenter = [0.9, 0.8, {}]\nsize = [2.2, 2, 0.8]\n",
+                                     *floor - 0.4);
+}
+
+/// The force of water at rest on the last body of a scene over that by Archimedes' principle.
+Vec3 buoyancy(const std::string& text, Real volume) {
+  BodyRun run(world, text);
+  run.steps(1);
+  return run.forces.back()[run.scene.obstacles.size() + run.scene.bodies.size() - 1].force / (9800 * volume);
+}
+
+// A floor beneath a body was given what the water above it presses on the body: a third of its weight was missing
+// or more, at gaps of up to two spacings.
+TEST(Touching, AFloorNearbyTakesNothingOfTheBuoyancy) {
+  for (const std::optional<Real> floor : {std::optional<Real>{}, std::optional<Real>(0.0), std::optional<Real>(0.03)}) {
+    for (const Shape& shape : shapes) {
+      for (const Real gap : {0.0, 0.05, 0.1, 0.15, 0.2, 0.3}) {
+        const Vec3 lift =
+            buoyancy(water_on(floor) + body_of(shape.text, 0.87, floor.value_or(0) + gap + half, 1000), shape.volume);
+        EXPECT_NEAR(lift.z(), 1, 0.025) << shape.text << " " << floor.value_or(-1) << " " << gap;
+        EXPECT_LT(std::hypot(lift.x(), lift.y()), 0.035) << shape.text << " " << floor.value_or(-1) << " " << gap;
+      }
+    }
+  }
+}
+
+TEST(Touching, AnotherBodyNearbyTakesNothingOfTheBuoyancy) {
+  const std::string below = body_of("type = \"box\"\nsize = [0.8, 0.8, 0.3]", 0.87, 0.15, 1000);
+  for (const Shape& shape : shapes) {
+    for (const Real gap : {0.0, 0.05, 0.1}) {
+      const Vec3 lift =
+          buoyancy(water_on({}) + below + body_of(shape.text, 0.87, 0.3 + gap + half, 1000), shape.volume);
+      EXPECT_NEAR(lift.z(), 1, gap > 0 ? 0.03 : 0.1) << shape.text << " " << gap;
+    }
+  }
+}
+
+// They stayed on it, as if it were sealed to them.
+TEST(Touching, LightBodiesRiseFromTheFloor) {
+  for (const std::optional<Real> floor : {std::optional<Real>{}, std::optional<Real>(0.0), std::optional<Real>(0.03)}) {
+    for (const Shape& shape : shapes) {
+      BodyRun run(world, water_on(floor) + body_of(shape.text, 0.87, floor.value_or(0) + half, 500));
+      const Real start = run.bodies()[0].position.z();
+      run.steps(60);
+      EXPECT_GT(run.bodies()[0].position.z(), start + 0.2) << shape.text << " " << floor.value_or(-1);
+    }
+  }
+}
+
+TEST(Touching, HeavyBodiesStayOnTheFloor) {
+  for (const Shape& shape : shapes) {
+    BodyRun run(world, water_on(0.03) + body_of(shape.text, 0.87, 0.03 + half, 1500));
+    run.steps(60);
+    EXPECT_NEAR(run.bodies()[0].position.z(), 0.03 + half, 0.002) << shape.text;
+  }
+}
+
+// Water in the cell above one that an obstacle cuts follows that cell. While the pressure was still being found, this
+// read displacements that were not known yet, and ended runs with a segmentation fault.
+TEST(Touching, ABodyMayRiseAlongAnObstacle) {
+  BodyRun run(world,
+              tank_with_gravity({.min = "-0.6, 0, 0", .max = "1.8, 1.6, 2", .water = {{"0, 0, 0", "1.8, 1.6, 1.2"}}}) +
+                  "[[obstacle]]\ntype = \"box\"\ncenter = [-0.45, 0.8, 1]\nsize = [0.9, 2, 2.4]\n" +
+                  body_of(shapes[1].text, half, 0.6, 500));
+  run.steps(60);
+  EXPECT_GT(run.bodies()[0].position.z(), 0.9);
+}
+
+const std::string touching = water_on(0.03) + body_of(shapes[1].text, 0.5, 0.03 + half, 600) +
+                             body_of("type = \"box\"\nsize = [0.6, 0.6, 0.3]", 1.3, 0.18, 2000) +
+                             body_of(shapes[0].text, 1.3, 0.33 + half, 700);
+
+TEST(Touching, SameBitsOnAnyRanksAndThreads) {
+  BodyRun alone(MPI_COMM_SELF, touching);
+  alone.steps(20);
+  const int before = thread_count();
+  for (const int threads : {1, 2}) {
+    use_threads(threads);
+    BodyRun together(world, touching,
+                     threads == 1 ? std::vector<std::string>{}
+                                  : std::vector<std::string>{fmt::format("domain.ranks=[1, {}]", size_of(world))});
+    together.steps(20);
+    expect_same_bits(gathered(world, together.solver->particles()), gathered(MPI_COMM_SELF, alone.solver->particles()));
+    EXPECT_EQ(together.bodies(), alone.bodies());
+  }
+  use_threads(before);
+}
+
+// What a film gives to a body it takes from what the body touches.
+TEST(Touching, MomentumBalances) {
+  BodyRun run(world, water_on(0.03) + body_of(shapes[1].text, 0.87, 0.03 + half, 500));
+  Real through = 0;
+  const auto momentum = [&]() -> Vec3 { return run.rows.back().momentum + run.bodies()[0].momentum; };
+  const Real mass =
+      static_cast<Real>(run.rows.front().particles) * water_mass(run.scene.fluid) + 500 * shapes[1].volume;
+  Vec3 expected = momentum();
+  for (int k = 0; k < 10; ++k) {
+    run.steps(1);
+    const std::vector<BodyForce>& forces = run.forces.back();
+    expected += run.scene.dt * (mass * *run.scene.gravity - forces[0].force - forces.back().force);
+    for (const BodyForce& one : forces) through += run.scene.dt * one.force.norm();
+    EXPECT_LT((momentum() - expected).norm(), 1e-6 * through) << k;
+  }
+}
+
+}  // namespace
+}  // namespace trevi::test
