@@ -42,14 +42,14 @@ every_steps = {every}
 """
 
 
-def run(trevi, *bodies, box, depth, spacing, dt, end, gravity="[gravity]", every=1, kind="body"):
+def run(trevi, *bodies, box, depth, spacing, dt, end, gravity="[gravity]", every=1, kind="body", solids=""):
     """Columns of series.csv and bodies.csv of a tank with water up to `depth` and bodies; a row every so many steps. Of the kind
-    "obstacle" they stand, or go as they are told, and the columns are those of obstacles.csv."""
+    "obstacle" they stand, or go as they are told, and the columns are those of obstacles.csv. `solids`: further tables."""
     with tempfile.TemporaryDirectory() as folder:
         scene, output = Path(folder) / "scene.toml", Path(folder) / "run"
         lines = "\n".join(f"[[{kind}]]\n" + "\n".join(f"{key} = {value}" for key, value in body.items()) for body in bodies)
         scene.write_text(SCENE.format(box=list(map(float, box)), water=[*map(float, box[:2]), float(depth)], spacing=spacing, dt=dt,
-                                      end=end, gravity=gravity, bodies=lines, every=every), encoding="utf-8")
+                                      end=end, gravity=gravity, bodies=lines + solids, every=every), encoding="utf-8")
         code, message = launch(trevi, scene, output, (), 1800)
         if code != 0:
             raise SystemExit(f"study_bodies: {message}")
@@ -220,6 +220,33 @@ def released(trevi, density, spacing=0.1, radius=0.5):
             ("most of a step", "1", 1, steps[1:12].max())], None
 
 
+OBSTACLE = '\n[[obstacle]]\ntype = "box"\ncenter = [0.9, 0.8, {}]\nsize = [2.2, 2.0, 2.0]\n'
+BESIDE = {"ball": ({"type": '"sphere"', "radius": 0.25}, 4 / 3 * math.pi * 0.25**3),
+          "box": ({"type": '"box"', "size": [0.5, 0.5, 0.5]}, 0.125),
+          "cylinder": ({"type": '"cylinder"', "radius": 0.25, "height": 0.5, "axis": [1, 0, 0]}, math.pi * 0.25**2 * 0.5)}
+
+
+def beside(trevi, below, spacing=0.1):
+    """A ball, a box and a lying cylinder of 5 spacings on something in a metre of water, and at gaps of up to three spacings: the
+    force upwards in the first step over that by Archimedes; and how far they rise in a second where half as heavy as water."""
+    floor, solids = {"the floor": (0.0, ""), "an obstacle": (0.6, OBSTACLE.format(-0.4)),
+                     "an obstacle off the cells": (0.7, OBSTACLE.format(-0.3)), "a body": (0.6, "")}[below]
+    lower = [{"type": '"box"', "size": [0.8, 0.8, 0.6], "center": [0.87, 0.8, 0.3], "density": 3000}] if below == "a body" else []
+    tank = {"box": (1.8, 1.6, 2.6), "depth": floor + 1.0, "spacing": spacing, "dt": 1 / 60, "solids": solids}
+    on, near, rise = [], [], []
+    for body, volume in BESIDE.values():
+        for gap in (0.0, 0.05, 0.1, 0.15, 0.2, 0.3):
+            shape = body | {"center": [0.87, 0.8, floor + gap + 0.25]}
+            _, found = run(trevi, *lower, shape | {"density": 1000}, end=1 / 60, **tank)
+            (near if gap > 0 else on).append(found[f"force_z_{len(lower)}"][1] / (1000 * GRAVITY * volume))
+            if gap == 0:
+                _, found = run(trevi, *lower, shape | {"density": 500}, end=1, **tank)
+                rise.append((found[f"z_{len(lower)}"][-1] - found[f"z_{len(lower)}"][0]) / spacing)
+    return [("force upwards without a gap, least", "1", 1, min(on)), ("most", "1", 1, max(on)),
+            ("with a gap of 0.5 to 3 spacings, least", "1", 1, min(near)), ("most with a gap", "1", 1, max(near)),
+            ("rise of a light one in a second, least", "spacings", math.nan, min(rise))], None
+
+
 def raft(trevi, layers, spacing=0.05):
     size, density, depth = np.array([0.4, 0.3, 0.15]), 500, layers * spacing
     body = {"type": '"box"', "size": list(map(float, size)), "center": [0.6, 0.4, depth + 0.09], "rotate": [0.0, 5.0, 0.0],
@@ -350,6 +377,8 @@ CASES = {"free fall": fall, "light ball": light, "ball of the water's density": 
          "duck": bath_duck, "two balls that collide": collision, "ball on a spring in the air": spring, "buoy on a line": buoy,
          **{f"ball drawn at {u:g} m/s": (lambda trevi, u=u: drawn(trevi, u)) for u in (0.25, 0.5, 1)},
          **{f"ball of {d} kg/m³ let go": (lambda trevi, d=d: released(trevi, d)) for d in (50, 500, 2000)},
+         **{f"bodies on {below}": (lambda trevi, below=below: beside(trevi, below))
+            for below in ("the floor", "an obstacle", "an obstacle off the cells", "a body")},
          **{f"cylinder of {d} kg/m³": (lambda trevi, d=d: draught(trevi, d)) for d in (300, 500, 700)},
          **{f"heave, {n} spacings a radius": (lambda trevi, n=n: heave(trevi, 1 / n)) for n in (10, 20)},
          **{f"roll, {n} spacings of draught": (lambda trevi, n=n: roll(trevi, 0.5 / n)) for n in (10,)}}
