@@ -68,7 +68,11 @@ std::size_t OpenVolume::highest_open(std::size_t n) const {
 
 Real OpenVolume::level(Real volume) const {
   const auto above = std::upper_bound(volume_.begin() + 1, volume_.end() - 1, volume);
-  const std::size_t n = highest_open(static_cast<std::size_t>(above - volume_.begin()) - 1);
+  auto n = highest_open(static_cast<std::size_t>(above - volume_.begin()) - 1);
+  if (n > 0 && areas_[n - 1] == 0 && volume_[n] > 0) {
+    const std::size_t below = highest_open(n - 1);
+    if (volume - volume_[n] < 2 * areas_[below] * height_) n = below;
+  }
   const Real layers = static_cast<Real>(n) + (areas_[n] > 0 ? (volume - volume_[n]) / (areas_[n] * height_) : 0);
   return bottom_ + layers * height_;
 }

@@ -36,8 +36,8 @@ class OpenVolume {
   /// `part` extends from the floor to the ceiling of the box of the settings; it is not empty along any axis.
   OpenVolume(const Box& part, const StandingSolids& solids, const Settings& settings);
 
-  /// The level to which this volume of water fills it, m. Water that is too much for the space below a solid that
-  /// closes all of it counts as if it stood higher.
+  /// The level to which this volume of water fills it, m. A layer of particles more than fits below a solid that closes
+  /// all of it counts as if it stood higher there, and all that is too much if nothing is open above.
   Real level(Real volume) const;
   /// Its volume up to this level, m³.
   Real volume(Real level) const;

@@ -22,7 +22,7 @@ class BodyCoupling {
         films_(comm, cuts, obstacles, h) {}
 
   /// The water that moves the bodies: `forces` has the pressure on cells, and `beside` the further impulses that closed
-  /// faces give to the water, which is where `order` has particles.
+  /// faces give to the water, which is where `order` has particles, `spacing` m apart.
   struct Water {
     const FreeSurface& surface;
     const RecordForces& forces;

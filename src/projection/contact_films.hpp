@@ -4,8 +4,10 @@
 // water around the contact.
 //
 // A uniform pressure on all of a closed surface adds up to nothing. What such a pressure would do to a body in all
-// cells around it is therefore the opposite of what it does in the contact, along each axis by itself: the contact
-// needs no description. Collective, except record().
+// cells around it is therefore the opposite of what it does in its contacts, along each axis by itself: they need no
+// description. Where a body touches another one, both have a part of their surface in the contact, which is that of the
+// first of them and then no longer missing at the other. Between solids at rest on both sides only the difference of
+// the contacts along that axis is known. Collective, except record().
 #pragma once
 
 #include <vector>
@@ -18,27 +20,32 @@ class ContactFilms {
  public:
   ContactFilms(MPI_Comm comm, const CutCells& cuts, Obstacles& obstacles, Real h);
 
-  /// Finds the bodies that touch something, in cells that have been measured.
+  /// Finds the contacts of bodies, in cells that have been measured.
   void find(const FreeSurface& surface);
   /// The impulses that the films of the present pressure give to the water, as if it were in contact with all of a
-  /// body, about the centres of the bodies; empty if no body touches anything.
+  /// body, about the centres of the bodies; empty if no body touches anything. `spacing` in m.
   const std::vector<TotalImpulse>& press(const FreeSurface& surface, const RecordForces& forces, Real spacing);
-  /// Records these for the bodies, and their opposites for what they touch.
+  /// Records these for the bodies, and their opposites for the obstacles and the box.
   void record() const;
 
  private:
-  // A side of a body on which it touches something: lower or upper, along one of three directions of the grid.
+  // A side of a body: lower or upper, along one of three directions of the grid.
   static constexpr std::size_t sides = 6;
   static std::size_t side(std::size_t a, bool upper) { return 2 * a + (upper ? 1 : 0); }
   struct Contact {
-    std::size_t body, a;
-    bool upper;
-    TotalImpulse uniform;  // what a pressure of 1 m² gives to the water in all cells around the body
+    std::size_t body, side, other;  // numbers of the body and of a side of it; account of what it touches there
+    TotalImpulse uniform;           // what a pressure of h² gives to the water in the contact, with the other sign
+    TotalImpulse film{};            // what the present pressure gives there
   };
   void add_cell(const FreeSurface& surface, const std::array<LocalId, 3>& cell);
   template <class Visit>
   void for_each_touched(const FreeSurface& surface, const std::array<LocalId, 3>& cell, std::size_t body,
                         const Visit& visit) const;
+  template <class Visit>
+  void for_each_beside(const FreeSurface& surface, const Visit& visit) const;
+  void find_touched(const FreeSurface& surface);
+  void share_out(const FreeSurface& surface, std::vector<TotalImpulse> missing);
+  TotalImpulse about(std::size_t body, const TotalImpulse& push, std::size_t other) const;
 
   MPI_Comm comm_;
   const CutCells& cuts_;

@@ -39,12 +39,13 @@ CutCells::BodyFace CutCells::body_face_beside(std::size_t a, const std::array<Lo
     const Real d = distance_to(obstacles_.body(k), inside);
     if (d > 1.5 * size_.maxCoeff()) continue;
     if (!floating.holds(k)) {
-      if (closes(k, a, corner)) others.push_back(k);
+      others.push_back(k);
     } else if (d < nearest.distance) {
       nearest = {d, k};
     }
   }
   if (nearest.distance == INFINITY) return {at, a, 0, p, 0, 0};
+  std::erase_if(others, [&](std::size_t k) { return !closes(k, a, corner); });
   if (others.empty()) return {at, a, nearest.body, middle_of_closed(a, cell, at), 1, 0};
   // Towards the body or away from any other solid there, on whose surface the body may lie.
   const bool has_below = ProjectionGrid::has_below(a, cell[0], cell[1]);
@@ -239,9 +240,9 @@ CutCells::Pushes CutCells::pushes_below(const std::array<LocalId, 3>& cell, std:
     const Vec3 out = (upper ? 1 : -1) / size_[static_cast<Eigen::Index>(a)] * Vec3::Unit(axis_[a]);
     if (pressure.phi != 0) pushes.add(body, (a < 2 ? height : 1) * pressure.phi * closed * out, arm);
     if (a == 2) {
-      if (body == nearest(at)) {
-        (upper ? high : low) = closed * (arm - corner);
-        (upper ? high_area : low_area) = closed;
+      if (body == nearest(at) || floats(at)) {
+        (upper ? high : low) += closed * (arm - corner);
+        (upper ? high_area : low_area) += closed;
       }
       if (!upper) pushes.add(body, -fall * height * closed * out, arm);
       return;

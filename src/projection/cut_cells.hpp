@@ -156,7 +156,8 @@ class CutCells {
   /// The impulses that the pressure of a cell gives to its water at each of its faces that a solid closes, m. Their
   /// points of application are the centroids of the closed parts, so that the work on any motion of a body equals the
   /// work on the flux of the cell. By Gauss's theorem on the solid part of the cell this is exact for water at rest,
-  /// whatever the position of the solid.
+  /// whatever the position of the solid; where a cell holds several, the weight of their parts counts as that of the
+  /// nearest one.
   Pushes pushes(const std::array<LocalId, 3>& cell, std::size_t at, const CellPressure& pressure) const;
   /// The same for water that reaches up to `height` in the cell, in cells, from 0 to 1. `phi` is the pressure in excess
   /// of that of water at rest. It acts on side faces up to that height, like the flux.

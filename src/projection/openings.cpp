@@ -178,29 +178,36 @@ void Openings::measure(const ProjectionGrid& grid, const CutCells* cuts) {
   find_crossed(grid);
 }
 
-// Of cells and ghost cells alike.
+// Of cells and ghost cells alike, copies beyond the ends of a periodic box included.
 void Openings::find_crossed(const ProjectionGrid& grid) {
   for (const std::size_t at : crossed_cells_) crossed_[at] = 0;
   crossed_cells_.clear();
   const auto cross = [&](const Cell& cell) {
-    const LocalId k = grid.own_plane(cell[0]), r = grid.own_row(cell[1]);
-    if (!is_known(grid, k, r) || cell[2] >= grid.columns()) return;
-    const std::size_t at = grid.index(k, r, cell[2]);
-    if (crossed_[at] == 0) crossed_cells_.push_back(at);
-    crossed_[at] = 1;
+    const LocalId around = grid.repeats()[0] ? grid.count(0) : 0, aside = grid.repeats()[1] ? grid.count(1) : 0;
+    for (const LocalId plane : {cell[0], cell[0] - around, cell[0] + around}) {
+      for (const LocalId row : {cell[1], cell[1] - aside, cell[1] + aside}) {
+        const LocalId k = grid.own_plane(plane), r = grid.own_row(row);
+        if (!is_known(grid, k, r) || cell[2] >= grid.columns()) continue;
+        const std::size_t at = grid.index(k, r, cell[2]);
+        if (crossed_[at] == 0) crossed_cells_.push_back(at);
+        crossed_[at] = 1;
+      }
+    }
   };
+  const Vec3 rounding = Vec3::Constant(1e-6 * grid.size().minCoeff());  // not the cell that begins at an upper end
   for (const Source& source : sources_) {
-    const Vec3 half = Vec3::Constant(spacing_ / 2);
+    const Vec3 half = Vec3::Constant(spacing_ / 2) - rounding;
     for_each_cell_in(grid, {source.place - half, source.place + half}, cross);
   }
   for (const WallOpening& wall : walls_) {
     Box opening;
-    opening.min[wall.axis] = opening.max[wall.axis] =
-        wall.at_max ? INFINITY : grid.low(grid.axis(0) == static_cast<std::size_t>(wall.axis) ? 0 : 1);
     opening.min[1 - wall.axis] = wall.across[0];
     opening.max[1 - wall.axis] = wall.across[1];
     opening.min.z() = wall.bottom;
     opening.max.z() = wall.bottom + static_cast<Real>(wall.displacement.size()) * wall.row_height;
+    opening = {opening.min + rounding, opening.max - rounding};
+    opening.min[wall.axis] = opening.max[wall.axis] =
+        wall.at_max ? INFINITY : grid.low(grid.axis(0) == static_cast<std::size_t>(wall.axis) ? 0 : 1);
     for_each_cell_in(grid, opening, cross);
   }
 }

@@ -127,7 +127,7 @@ void Pressure::find_inflow(const FreeSurface& surface) {
   for (const Openings::Gain& gain : surface.openings()->gains()) {
     if (!surface.is_wet(gain.cell) || surface.is_solid(gain.cell)) continue;
     const bool wall = gain.wall_behind || surface.is_solid(gain.behind);
-    if (!wall && !is_full(gain.behind)) continue;
+    if (!wall && !is_full(gain.behind) && !enclosed_->holds(gain.behind)) continue;
     const bool swells = may_swell(surface, gain.k, gain.r, gain.c);
     const bool in_air = wall && !enclosed_->holds(gain.cell) && (swells || !stands_on_floor(surface, gain));
     Real share = in_air && !surface.is_cut(gain.cell) ? std::abs(gain.path) : gain.share;

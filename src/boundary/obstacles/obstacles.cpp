@@ -332,10 +332,9 @@ void Obstacles::take_from_rest(std::size_t account, const TotalImpulse& part) {
   record_rest({-part.shift, -own.moment - of_shift});
 }
 
-void Obstacles::record_between(std::size_t body, std::size_t other, const TotalImpulse& push) {
-  ledger_.add(body, push);
-  const Vec3 from_other = arm_center(body) - (other == box_account() ? middle_of_box_ : arm_center(other));
-  ledger_.add(other, {-push.shift, -push.moment - from_other.cross(push.shift)});
+void Obstacles::record_about(std::size_t account, const TotalImpulse& push, const Vec3& place) {
+  const Vec3 arm = place - (account == box_account() ? middle_of_box_ : arm_center(account));
+  ledger_.add(account, {push.shift, push.moment + arm.cross(push.shift)});
 }
 
 void Obstacles::record_box(std::span<Impulse> impulses) {

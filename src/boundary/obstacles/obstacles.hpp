@@ -134,8 +134,8 @@ class Obstacles {
   /// A part of the remainder, with its moment about the middle of the box, that came from an obstacle, not from the
   /// box; for a floating body the force alone.
   void take_from_rest(std::size_t account, const TotalImpulse& part);
-  /// What a floating body gives to the water between it and what it touches, about its centre; the water passes it on.
-  void record_between(std::size_t body, std::size_t other, const TotalImpulse& push);
+  /// A push of an account, with its moment about any place.
+  void record_about(std::size_t account, const TotalImpulse& push, const Vec3& place);
   /// Discards what was recorded before.
   void begin_step();
   /// What obstacles and box gave to the water since begin_step(), in the order of the accounts. The remainder is shared
