@@ -80,7 +80,7 @@ void ContactFilms::for_each_beside(const FreeSurface& surface, const Visit& visi
     for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
       const std::array<LocalId, 3> cell{k, r, c};
       const std::size_t at = grid.index(k, r, c);
-      if (surface.is_solid(at) || !cuts_.is_pushed(at)) continue;
+      if (surface.is_solid(at) || !cuts_.is_pushed(at) || cuts_.is_gap(at)) continue;
       cuts_.for_each_closed(cell, at, [&](std::size_t solid, std::size_t, bool, Real closed, const Vec3&) {
         if (!bodies.holds(solid)) return;
         for_each_touched(surface, cell, solid, [&](std::size_t a, bool upper, std::size_t account) {

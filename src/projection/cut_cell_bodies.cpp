@@ -175,6 +175,29 @@ void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
   }
 }
 
+// In a gap of up to a fifth of a cell the inner cells are dry, and those around them have a part of the pressure only:
+// a wide body that rose by a hair fell back.
+void CutCells::find_gaps(const ProjectionGrid& grid) {
+  constexpr Real thin = 0.2;
+  gaps_.clear();
+  for (LocalId k = 1; k <= grid.planes(); ++k) {
+    for (LocalId r = 0; r < grid.rows(); ++r) {
+      const Range cut = cut_columns(k, r);
+      for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
+        const std::size_t at = grid.index(k, r, c);
+        if (open(at) == 0 || open(at) >= thin) continue;
+        const auto touches = [&](bool upper) {  // the body at this face something beyond the other one
+          const BodyFace* const own = body_face(2, upper ? at + 1 : at);
+          if (own == nullptr || grid.is_wall({2, !upper}, k, r, c)) return own != nullptr;
+          const std::size_t beyond = upper ? at - 1 : at + 1;
+          return cells_[beyond].open == 0 && nearest(beyond) != own->body;
+        };
+        if (touches(false) || touches(true)) gaps_.push_back(at);
+      }
+    }
+  }
+}
+
 CutCells::Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_t at,
                                   const CellPressure& pressure) const {
   Pushes pushes;
@@ -183,7 +206,8 @@ CutCells::Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_
     const Real push = (pressure.phi + pressure.fall * (arm.z() - level)) / size_[static_cast<Eigen::Index>(a)] * closed;
     pushes.add(body, (upper ? push : -push) * Vec3::Unit(axis_[a]), arm);
   });
-  if (pushes.count > 0) pushes.add(nearest(at), -pressure.fall * solid(at) * Vec3::UnitZ(), middle_of_solid(cell, at));
+  if (pushes.count > 0 && !(is_gap(at) && floats(at)))
+    pushes.add(nearest(at), -pressure.fall * solid(at) * Vec3::UnitZ(), middle_of_solid(cell, at));
   return pushes;
 }
 
@@ -253,7 +277,7 @@ CutCells::Pushes CutCells::pushes_below(const std::array<LocalId, 3>& cell, std:
     pushes.add(body, fall * (wet.moment - height * wet.area) * out, middle);
   });
   const Real all = solid(at), volume = integral(low_area, high_area, all, height);
-  if (pushes.count == 0 || volume == 0) return pushes;
+  if (pushes.count == 0 || volume == 0 || (is_gap(at) && floats(at))) return pushes;
   const Vec3 moment = all * (middle_of_solid(cell, at) - corner);
   Vec3 middle = corner;
   for (const Eigen::Index i : {0, 1}) middle[i] += integral(low[i], high[i], moment[i], height) / volume;

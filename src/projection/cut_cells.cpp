@@ -301,6 +301,7 @@ void CutCells::measure(MPI_Comm comm, const ProjectionGrid& grid, const Box& box
     measure_motion(grid);
     find_cut_rows(grid);
     if (obstacles_.floating() != nullptr) measure_excess(comm, grid);
+    if (obstacles_.floating() != nullptr) find_gaps(grid);
     return;
   }
   if (!stays) {

@@ -132,17 +132,18 @@ class CutCells {
     }
   };
   /// Calls use(solid, direction, whether it is the upper face, area of the part that this solid closes, centroid of
-  /// that, m) for the faces of a cell: what floating bodies close, and unless the nearest solid is one of these, what
-  /// else is closed as the part of the nearest solid.
+  /// that, m) for the faces of a cell: what floating bodies close, but not from a gap below or above them, and unless
+  /// the nearest solid is one of these, what else is closed as the part of the nearest solid.
   template <class Use>
   void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
+    const bool gap = is_gap(at);
     for (std::size_t a = 0; a < 3; ++a) {
       for (const bool upper : {false, true}) {
         const std::size_t face_at = upper ? at + step_[a] : at;
         const Real closed = 1 - face(a, face_at);
         if (closed == 0) continue;
         const BodyFace* const own = any_floats() ? body_face(a, face_at) : nullptr;
-        if (own != nullptr) use(own->body, a, upper, own->share * closed, own->p);
+        if (own != nullptr && !(a == 2 && gap)) use(own->body, a, upper, own->share * closed, own->p);
         if (floats(at) || (own != nullptr && own->share == 1)) continue;
         std::array<LocalId, 3> of_face = cell;
         of_face[a] += upper ? 1 : 0;
@@ -151,6 +152,8 @@ class CutCells {
       }
     }
   }
+  /// Whether an owned cell is a thin gap below or above a freely moving body: part of its contact (ContactFilms).
+  bool is_gap(std::size_t at) const { return std::binary_search(gaps_.begin(), gaps_.end(), at); }
   /// Whether the pressure of a cell pushes a freely moving body.
   bool is_pushed(std::size_t at) const;
   /// The impulses that the pressure of a cell gives to its water at each of its faces that a solid closes, m. Their
@@ -305,6 +308,7 @@ class CutCells {
   Vec3 corner_of(const ProjectionGrid& grid, LocalId k, LocalId r, Real c) const;
   void measure_motion(const ProjectionGrid& grid);
   void measure_excess(MPI_Comm comm, const ProjectionGrid& grid);
+  void find_gaps(const ProjectionGrid& grid);
   std::vector<GlobalId> sums_of_bodies(MPI_Comm comm, const ProjectionGrid& grid) const;
   // Area of the solid surface in a cell, in faces.
   Real area(std::size_t at) const;
@@ -363,6 +367,7 @@ class CutCells {
   };
   std::vector<Excess> excess_;
   std::vector<BodyFace> body_faces_;  // of freely moving bodies
+  std::vector<std::size_t> gaps_;     // cells for which is_gap() holds, in ascending order
   std::vector<Range> cut_columns_;    // of all planes and rows, including those beside them
 };
 
