@@ -220,29 +220,25 @@ def released(trevi, density, spacing=0.1, radius=0.5):
             ("most of a step", "1", 1, steps[1:12].max())], None
 
 
-OBSTACLE = '\n[[obstacle]]\ntype = "box"\ncenter = [0.9, 0.8, {}]\nsize = [2.2, 2.0, 2.0]\n'
-BESIDE = {"ball": ({"type": '"sphere"', "radius": 0.25}, 4 / 3 * math.pi * 0.25**3),
-          "box": ({"type": '"box"', "size": [0.5, 0.5, 0.5]}, 0.125),
-          "cylinder": ({"type": '"cylinder"', "radius": 0.25, "height": 0.5, "axis": [1, 0, 0]}, math.pi * 0.25**2 * 0.5)}
+BESIDE = [({"type": '"sphere"', "radius": 0.25}, 4 / 3 * math.pi * 0.25**3), ({"type": '"box"', "size": [0.5, 0.5, 0.5]}, 0.125),
+          ({"type": '"cylinder"', "radius": 0.25, "height": 0.5, "axis": [1, 0, 0]}, math.pi * 0.25**2 * 0.5)]
+FLOORS = {"the floor": 0.0, "an obstacle": 0.6, "an obstacle off the cells": 0.7, "a body": 0.6}
 
 
-def beside(trevi, below, spacing=0.1):
-    """A ball, a box and a lying cylinder of 5 spacings on something in a metre of water, and at gaps of up to three spacings: the
-    force upwards in the first step over that by Archimedes; and how far they rise in a second where half as heavy as water."""
-    floor, solids = {"the floor": (0.0, ""), "an obstacle": (0.6, OBSTACLE.format(-0.4)),
-                     "an obstacle off the cells": (0.7, OBSTACLE.format(-0.3)), "a body": (0.6, "")}[below]
-    lower = [{"type": '"box"', "size": [0.8, 0.8, 0.6], "center": [0.87, 0.8, 0.3], "density": 3000}] if below == "a body" else []
-    tank = {"box": (1.8, 1.6, 2.6), "depth": floor + 1.0, "spacing": spacing, "dt": 1 / 60, "solids": solids}
-    on, near, rise = [], [], []
-    for body, volume in BESIDE.values():
+def beside(trevi, below):
+    """Bodies of 5 spacings on something or near it: the force of the first step over that by Archimedes; the rise of light ones."""
+    floor = FLOORS[below]
+    lower = [{"type": '"box"', "size": [0.8, 0.8, 0.6], "center": [0.87, 0.8, 0.3], "density": 3000}] * (below == "a body")
+    solid = f'\n[[obstacle]]\ntype = "box"\ncenter = [0.9, 0.8, {floor - 1}]\nsize = [2.2, 2.0, 2.0]\n' if "obstacle" in below else ""
+    tank, on, near, rise = {"box": (1.8, 1.6, 2.6), "depth": floor + 1.0, "spacing": 0.1, "dt": 1 / 60, "solids": solid}, [], [], []
+    for body, volume in BESIDE:
         for gap in (0.0, 0.05, 0.1, 0.15, 0.2, 0.3):
             shape = body | {"center": [0.87, 0.8, floor + gap + 0.25]}
-            _, found = run(trevi, *lower, shape | {"density": 1000}, end=1 / 60, **tank)
-            (near if gap > 0 else on).append(found[f"force_z_{len(lower)}"][1] / (1000 * GRAVITY * volume))
-            if gap == 0:
-                _, found = run(trevi, *lower, shape | {"density": 500}, end=1, **tank)
-                rise.append((found[f"z_{len(lower)}"][-1] - found[f"z_{len(lower)}"][0]) / spacing)
-    return [("force upwards without a gap, least", "1", 1, min(on)), ("most", "1", 1, max(on)),
+            found = run(trevi, *lower, shape | {"density": 1000}, end=1 / 60, **tank)[1][f"force_z_{len(lower)}"]
+            (near if gap > 0 else on).append(found[1] / (1000 * GRAVITY * volume))
+        found = run(trevi, *lower, body | {"center": [0.87, 0.8, floor + 0.25], "density": 500}, end=1, **tank)[1][f"z_{len(lower)}"]
+        rise.append((found[-1] - found[0]) / 0.1)
+    return [("force upwards without a gap, least", "1", 1, min(on)), ("most without a gap", "1", 1, max(on)),
             ("with a gap of 0.5 to 3 spacings, least", "1", 1, min(near)), ("most with a gap", "1", 1, max(near)),
             ("rise of a light one in a second, least", "spacings", math.nan, min(rise))], None
 
@@ -355,19 +351,16 @@ def draw(curves, path):
     figure, axes = plt.subplots(1, 2, figsize=(10, 3.6))
     for axis, (title, unit, scale, named) in zip(axes, (("heave of half a cylinder", "t √(g/R)", "y / y0", "heave"),
                                                         ("roll of a barge", "t, s", "angle, °", "roll"))):
-        for case, (t, here, theory) in curves.items():
+        for case, (t, here, _) in curves.items():
             if case.startswith(named):
                 axis.plot(t, here, label=case.split(", ")[1])
-        axis.plot(t if named in case else curve_of(curves, named)[0], curve_of(curves, named)[2], "k--", lw=1, label="theory")
+        t, _, theory = [curve for case, curve in curves.items() if case.startswith(named)][-1]
+        axis.plot(t, theory, "k--", lw=1, label="theory")
         axis.set(title=title, xlabel=unit, ylabel=scale)
         axis.grid(alpha=0.3)
         axis.legend()
     figure.tight_layout()
     figure.savefig(path, dpi=110)
-
-
-def curve_of(curves, named):
-    return [curve for case, curve in curves.items() if case.startswith(named)][-1]
 
 
 CASES = {"free fall": fall, "light ball": light, "ball of the water's density": neutral, "ball afloat": afloat, "ball that stands there": standing,
@@ -377,8 +370,7 @@ CASES = {"free fall": fall, "light ball": light, "ball of the water's density": 
          "duck": bath_duck, "two balls that collide": collision, "ball on a spring in the air": spring, "buoy on a line": buoy,
          **{f"ball drawn at {u:g} m/s": (lambda trevi, u=u: drawn(trevi, u)) for u in (0.25, 0.5, 1)},
          **{f"ball of {d} kg/m³ let go": (lambda trevi, d=d: released(trevi, d)) for d in (50, 500, 2000)},
-         **{f"bodies on {below}": (lambda trevi, below=below: beside(trevi, below))
-            for below in ("the floor", "an obstacle", "an obstacle off the cells", "a body")},
+         **{f"bodies on {below}": (lambda trevi, below=below: beside(trevi, below)) for below in FLOORS},
          **{f"cylinder of {d} kg/m³": (lambda trevi, d=d: draught(trevi, d)) for d in (300, 500, 700)},
          **{f"heave, {n} spacings a radius": (lambda trevi, n=n: heave(trevi, 1 / n)) for n in (10, 20)},
          **{f"roll, {n} spacings of draught": (lambda trevi, n=n: roll(trevi, 0.5 / n)) for n in (10,)}}
