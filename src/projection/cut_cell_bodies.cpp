@@ -171,7 +171,8 @@ void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
     excess.volume = (sum[0] - bodies.body(k).volume() / cell) / sum[1];
     const Vec3 moment = Vec3(sum[3], sum[4], sum[5]) - excess.volume * Vec3(sum[6], sum[7], sum[8]);
     const Real cut = sum[2] - excess.volume * sum[1];
-    if (cut > 0) excess.middle = moment * size_.maxCoeff() / cut;
+    // Not where next to none of the body is in cells with water, as on the faces of cells beside another body.
+    if (cut > 0 && moment.norm() < cut / 2) excess.middle = moment * size_.maxCoeff() / cut;
   }
 }
 

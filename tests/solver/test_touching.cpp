@@ -124,6 +124,25 @@ TEST(Touching, ABodyMayRiseAlongAnObstacle) {
   EXPECT_GT(run.bodies()[0].position.z(), 0.9);
 }
 
+// On the faces of cells next to none of a body is in a cell with water. What was to put its centroid right there acted
+// with an arm of thousands of metres, and the first step ended the run.
+TEST(Touching, BoxesMayLieOnEachOtherAndSideBySideOnTheFacesOfCells) {
+  const auto box = [](Real x, Real y, Real z, Real height, Real density) {
+    return fmt::format("[[body]]\ntype = \"box\"\nsize = [0.4, 0.4, {}]\ncenter = [{}, {}, {}]\ndensity = {}\n", height,
+                       x, y, z, density);
+  };
+  const std::string tank =
+      tank_with_gravity({.max = "2.4, 1.2, 1.6", .water = {{"0, 0, 0", "2.4, 1.2, 0.8"}}, .spacing = "0.05"});
+  for (const std::string& bodies : {box(1, 0.6, 0.1, 0.2, 2000) + box(1, 0.6, 0.3, 0.2, 2000),
+                                    box(1, 0.6, 0.8, 0.4, 500) + box(1.4, 0.6, 0.8, 0.4, 500),
+                                    box(1, 0.4, 0.8, 0.4, 500) + box(1, 0.8, 0.8, 0.4, 500)}) {
+    BodyRun run(world, tank + bodies);
+    run.steps(20);
+    for (std::size_t k = 0; k < 2; ++k)
+      EXPECT_LT((run.bodies()[k].position - run.scene.bodies[k].center).norm(), 0.02) << bodies;
+  }
+}
+
 const std::string touching = water_on(0.03) + body_of(shapes[1].text, 0.5, 0.03 + half, 600) +
                              body_of("type = \"box\"\nsize = [0.6, 0.6, 0.3]", 1.3, 0.18, 2000) +
                              body_of(shapes[0].text, 1.3, 0.33 + half, 700);
