@@ -180,23 +180,24 @@ void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
 // a wide body that rose by a hair fell back.
 void CutCells::find_gaps(const ProjectionGrid& grid) {
   constexpr Real thin = 0.2;
-  gaps_.clear();
-  for (LocalId k = 1; k <= grid.planes(); ++k) {
-    for (LocalId r = 0; r < grid.rows(); ++r) {
-      const Range cut = cut_columns(k, r);
-      for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
-        const std::size_t at = grid.index(k, r, c);
-        if (open(at) == 0 || open(at) >= thin) continue;
-        const auto touches = [&](bool upper) {  // the body at this face something beyond the other one
-          const BodyFace* const own = body_face(2, upper ? at + 1 : at);
-          if (own == nullptr || grid.is_wall({2, !upper}, k, r, c)) return own != nullptr;
-          const std::size_t beyond = upper ? at - 1 : at + 1;
-          return cells_[beyond].open == 0 && nearest(beyond) != own->body;
-        };
-        if (touches(false) || touches(true)) gaps_.push_back(at);
-      }
+  PerThread<std::vector<std::size_t>> found;
+  for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
+    const Range cut = cut_columns(k, r);
+    for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      if (open(at) == 0 || open(at) >= thin) continue;
+      const auto touches = [&](bool upper) {  // the body at this face something beyond the other one
+        const BodyFace* const own = body_face(2, upper ? at + 1 : at);
+        if (own == nullptr || grid.is_wall({2, !upper}, k, r, c)) return own != nullptr;
+        const std::size_t beyond = upper ? at - 1 : at + 1;
+        return cells_[beyond].open == 0 && nearest(beyond) != own->body;
+      };
+      if (touches(false) || touches(true)) found.mine().push_back(at);
     }
-  }
+  });
+  gaps_.clear();
+  found.for_each([&](const auto& some) { gaps_.insert(gaps_.end(), some.begin(), some.end()); });
+  std::sort(gaps_.begin(), gaps_.end());
 }
 
 CutCells::Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_t at,

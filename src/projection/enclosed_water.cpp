@@ -217,24 +217,27 @@ void EnclosedWater::keep_enclosed(const FreeSurface& surface, Halo& halo) {
   grid.exchange(halo, marks_);
 }
 
-// As integers, so that the sums do not depend on the ranks.
-std::vector<Real> EnclosedWater::sums_over_pieces(MPI_Comm comm, const std::vector<Flow>& flows) const {
+// As integers, so that the sums do not depend on the ranks. Those of pieces on several ranks come first.
+std::vector<EnclosedWater::Flow> EnclosedWater::sums_over_pieces(MPI_Comm comm, const std::vector<Flow>& flows) const {
   constexpr Real units = 1 << 30;  // of a cell
-  const std::size_t pieces = all_ ? 1 : parts_.size();
-  const auto piece_of = [&](const Flow& flow) {
+  const auto number_of = [&](const Flow& flow) {
     if (all_) return std::size_t{0};
-    const auto cell = std::lower_bound(cells_.begin(), cells_.end(), flow.cell);
-    return part_of_[static_cast<std::size_t>(cell - cells_.begin())];
+    const auto cell = std::lower_bound(cells_.begin(), cells_.end(), flow.cell) - cells_.begin();
+    const std::size_t part = part_of_[static_cast<std::size_t>(cell)];
+    return shared_[part] > 0 ? shared_[part] - 1 : shared_pieces_ + part;
   };
-  std::vector<GlobalId> sums(pieces, 0), of_shared(shared_pieces_ + 1, 0);
-  for (const Flow& flow : flows) sums[piece_of(flow)] += std::llround(flow.share * units);
-  if (all_) sums[0] = sum_over_ranks(comm, sums[0]);
-  for (std::size_t k = 0; k < pieces && !all_; ++k) of_shared[shared_[k]] += sums[k];
-  if (!all_ && shared_pieces_ > 0) of_shared = sum_over_ranks(comm, of_shared);
-  std::vector<Real> found;
+  const std::size_t shared = all_ ? 1 : shared_pieces_;
+  std::vector<GlobalId> sums(2 * (all_ ? 1 : shared + parts_.size()), 0);
   for (const Flow& flow : flows) {
-    const std::size_t piece = piece_of(flow), shared = all_ ? 0 : shared_[piece];
-    found.push_back(static_cast<Real>(shared > 0 ? of_shared[shared] : sums[piece]) / units);
+    const std::size_t n = 2 * number_of(flow);
+    sums[n] += std::llround(flow.brought * units);
+    sums[n + 1] += std::llround(flow.leaving * units);
+  }
+  if (shared > 0) all_reduce(comm, sums.data(), static_cast<int>(2 * shared), MPI_INT64_T, MPI_SUM);
+  std::vector<Flow> found;
+  for (const Flow& flow : flows) {
+    const std::size_t n = 2 * number_of(flow);
+    found.push_back({flow.cell, static_cast<Real>(sums[n]) / units, static_cast<Real>(sums[n + 1]) / units});
   }
   return found;
 }

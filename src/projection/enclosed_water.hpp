@@ -31,13 +31,14 @@ class EnclosedWater {
   bool holds(std::size_t at) const { return all_ || (!marks_.empty() && marks_[at] != 0); }
   /// The cells of this rank that hold it, among obstacles.
   std::span<const std::size_t> cells() const { return cells_; }
-  /// Water that flows into a cell of this rank that holds it, as a share of the cell.
+  /// What inlets bring to a cell of this rank that holds it, and what leaves the cell through walls, as shares of a
+  /// cell.
   struct Flow {
     std::size_t cell;
-    Real share;
+    Real brought, leaving;
   };
-  /// For each of these flows, the sum of the flows of all ranks into the same piece, in shares of a cell.
-  std::vector<Real> sums_over_pieces(MPI_Comm comm, const std::vector<Flow>& flows) const;
+  /// For each of these flows, the sums of the flows of all ranks in the same piece.
+  std::vector<Flow> sums_over_pieces(MPI_Comm comm, const std::vector<Flow>& flows) const;
   /// Shifts phi of each piece so that its largest value is 0, also in ghost cells.
   void set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi) const;
   void give_back() { marks_.give_back(); }

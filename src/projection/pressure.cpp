@@ -20,7 +20,7 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   if (surface.openings() != nullptr) {
     find_flow_through_walls(surface);
     find_inflow(surface);
-    if (enclosed_->any()) fit_inflow(halo.comm());
+    if (enclosed_->any() && surface.openings()->has_sources()) fit_inflow(halo.comm());
     for (const Inflow& one : inflow_) multigrid_.finest().rhs[one.cell] -= one.share;
   }
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
@@ -114,7 +114,7 @@ void Pressure::find_flow_through_walls(const FreeSurface& surface) {
     const Real flow = share * surface.openings()->displacement(face.a, face.at) /
                       surface.grid().size()[static_cast<Eigen::Index>(face.a)];
     rhs[face.cell] += face.at_max ? flow : -flow;
-    if (enclosed_->holds(face.cell)) through_walls_.push_back({face.cell, face.at_max ? -flow : flow});
+    if (enclosed_->holds(face.cell)) through_walls_.push_back({face.cell, 0, face.at_max ? flow : -flow});
   }
 }
 
@@ -141,19 +141,16 @@ void Pressure::find_inflow(const FreeSurface& surface) {
 void Pressure::fit_inflow(MPI_Comm comm) {
   std::vector<EnclosedWater::Flow> flows;
   for (const Inflow& one : inflow_) {
-    if (enclosed_->holds(one.cell)) flows.push_back({one.cell, one.share});
+    if (enclosed_->holds(one.cell)) flows.push_back({one.cell, one.share, 0});
   }
-  const std::size_t count = flows.size();
-  const std::vector<Real> wanted = enclosed_->sums_over_pieces(comm, flows);
   flows.insert(flows.end(), through_walls_.begin(), through_walls_.end());
-  for (std::size_t n = 0; n < count; ++n) flows[n].share = 0;
-  const std::vector<Real> entered = enclosed_->sums_over_pieces(comm, flows);
-  std::size_t n = 0;
+  const std::vector<EnclosedWater::Flow> sums = enclosed_->sums_over_pieces(comm, flows);
+  auto sum = sums.begin();
   for (Inflow& one : inflow_) {
     if (!enclosed_->holds(one.cell)) continue;
-    one.share *= wanted[n] > 0 ? std::clamp(-entered[n] / wanted[n], 0.0, 1.0) : 0;
+    one.share *= sum->brought > 0 ? std::clamp(sum->leaving / sum->brought, 0.0, 1.0) : 0;
     if (one.out_of_wall != nullptr) one.path = std::copysign(one.share, one.out_of_wall->path);
-    ++n;
+    ++sum;
   }
 }
 
