@@ -8,7 +8,7 @@ void BodyCoupling::add_cell(LocalId k, LocalId r, LocalId c, const Water& water)
   const RigidBodies& bodies = *obstacles_.floating();
   const std::size_t at = water.surface.grid().index(k, r, c);
   if (!cuts_.is_pushed(at)) return;
-  const RecordForces::Pushes pushes = water.forces.pushes_of_cell(k, r, c);
+  const Pushes pushes = water.forces.pushes_of_cell(k, r, c);
   for (std::size_t n = 0; n < pushes.count; ++n) {
     if (!bodies.holds(pushes.solid[n])) continue;
     const auto& [shift, arm] = pushes.all[n];

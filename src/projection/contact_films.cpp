@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "parallel/waiting.hpp"
 
@@ -22,24 +24,34 @@ ContactFilms::ContactFilms(MPI_Comm comm, const CutCells& cuts, Obstacles& obsta
       uniform_(3 * obstacles.floating()->count(), h),
       around_(sides * obstacles.floating()->count(), h) {}
 
-// What a uniform pressure of h² in the cell gives to its water at floating bodies, and in the next component the area
-// without its sign. A body may go on above the highest cells of the grid: what it has there adds up to its section at
-// their upper faces.
+// Half the height of a body, m, which is the unit of heights about its centre.
+Real ContactFilms::half_height(std::size_t body) const {
+  const Box place = obstacles_.body(body).surface_box();
+  return (place.max.z() - place.min.z()) / 2;
+}
+
+// What a uniform pressure of h² in the cell gives to its water at floating bodies; in the next component the area
+// without its sign, and in the one after that the push times the square of the height about the centre of the body. A
+// body may go on above the highest cells of the grid: what it has there adds up to its section at their upper faces.
 void ContactFilms::add_cell(const FreeSurface& surface, const std::array<LocalId, 3>& cell) {
   const ProjectionGrid& grid = surface.grid();
   const RigidBodies& bodies = *obstacles_.floating();
   const std::size_t at = grid.index(cell[0], cell[1], cell[2]);
   const bool ends = cell[2] + 1 == grid.columns() && grid.columns() < grid.count(2);
+  const Real middle = cuts_.middle(cell[0], cell[1], cell[2]).z(), size = grid.size()[2];
   const auto add = [&](std::size_t solid, std::size_t a, Real push, const Vec3& place) {
     const auto b = static_cast<Eigen::Index>(grid.axis(a));
+    const Vec3 off = place - bodies.center(solid);
+    // Where a part of a face is closed, it is as high as its centroid allows.
+    const Real extent = a < 2 ? size - 2 * std::abs(place.z() - middle) : 0, unit = half_height(solid);
+    const Real square = (off.z() * off.z() + extent * extent / 12) / (unit * unit);
     const Vec3 along = push * Vec3::Unit(b), area = std::abs(push) * Vec3::Unit((b + 1) % 3);
     uniform_.add(3 * (solid - bodies.first()) + a,
-                 TotalImpulse{along + area, (place - bodies.center(solid)).cross(along)});
+                 TotalImpulse{along + area + push * square * Vec3::Unit((b + 2) % 3), off.cross(along)});
   };
   if (surface.is_solid(at)) {
     if (!ends || !cuts_.floats(at)) return;
-    const Real height = grid.size()[2];
-    add(cuts_.nearest(at), 2, -h_ * h_ / height, cuts_.middle(cell[0], cell[1], cell[2]) + Vec3::UnitZ() * height / 2);
+    add(cuts_.nearest(at), 2, -h_ * h_ / size, cuts_.middle(cell[0], cell[1], cell[2]) + Vec3::UnitZ() * size / 2);
     return;
   }
   if (!cuts_.is_pushed(at)) return;
@@ -50,21 +62,53 @@ void ContactFilms::add_cell(const FreeSurface& surface, const std::array<LocalId
   });
 }
 
-// Calls visit(direction, whether it is the upper face, account of what is beyond it) for the faces of a cell beyond
-// which there is a wall or a solid other than the body.
+// Calls visit(number of a side, account of what is beyond it) for the sides of a body on which something else touches
+// it next to a cell: beyond the faces of the cell, and beside what the body fills of the next cells. Two bodies with
+// flush sides are next to each other there only.
 template <class Visit>
 void ContactFilms::for_each_touched(const FreeSurface& surface, const std::array<LocalId, 3>& cell, std::size_t body,
                                     const Visit& visit) const {
   const ProjectionGrid& grid = surface.grid();
   const std::size_t at = grid.index(cell[0], cell[1], cell[2]);
+  const auto is_filled = [&](std::size_t next) { return surface.is_solid(next) || cuts_.is_gap(next); };
+  const auto beyond = [&](std::size_t from, std::size_t a, bool upper) {
+    return upper ? from + grid.step(a) : from - grid.step(a);
+  };
+  std::array<bool, sides> known{};
+  const auto touch = [&](std::size_t a, bool upper, std::size_t account) {
+    if (!std::exchange(known[side(a, upper)], true)) visit(side(a, upper), account);
+  };
+  const auto look_into = [&](std::size_t a, bool upper) {
+    const std::size_t next = beyond(at, a, upper);
+    if (!is_filled(next)) return;
+    const std::span<const PartOfCell> parts = cuts_.parts_of_cell(next);
+    const auto own = std::find_if(parts.begin(), parts.end(), [&](const PartOfCell& p) { return p.solid == body; });
+    if (own == parts.end() && cuts_.nearest(next) != body) return touch(a, upper, cuts_.nearest(next));
+    for (const PartOfCell& other : parts) {
+      if (other.solid == body || own == parts.end()) continue;
+      std::size_t b = 0;
+      const auto off = [&](std::size_t c) { return other.middle[c] - own->middle[c]; };
+      for (const std::size_t c : {1U, 2U})
+        if (std::abs(off(c)) > std::abs(off(b))) b = c;
+      touch(b, off(b) > 0, other.solid);
+    }
+    for (std::size_t b = 0; b < 3; ++b) {
+      for (const bool above : {false, true}) {
+        std::array<LocalId, 3> there = cell;
+        there[a] += upper ? 1 : -1;
+        if (b == a || grid.is_wall({b, above}, there[0], there[1], there[2])) continue;
+        const std::size_t beside = beyond(next, b, above);
+        if (surface.is_solid(beside) && cuts_.nearest(beside) != body) touch(b, above, cuts_.nearest(beside));
+      }
+    }
+  };
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
       if (grid.is_wall({a, upper}, cell[0], cell[1], cell[2])) {
-        visit(a, upper, obstacles_.box_account());
-        continue;
+        touch(a, upper, obstacles_.box_account());
+      } else {
+        look_into(a, upper);
       }
-      const std::size_t beyond = upper ? at + grid.step(a) : at - grid.step(a);
-      if (surface.is_solid(beyond) && cuts_.nearest(beyond) != body) visit(a, upper, cuts_.nearest(beyond));
     }
   }
 }
@@ -83,8 +127,8 @@ void ContactFilms::for_each_beside(const FreeSurface& surface, const Visit& visi
       if (surface.is_solid(at) || !cuts_.is_pushed(at) || cuts_.is_gap(at)) continue;
       cuts_.for_each_closed(cell, at, [&](std::size_t solid, std::size_t, bool, Real closed, const Vec3&) {
         if (!bodies.holds(solid)) return;
-        for_each_touched(surface, cell, solid, [&](std::size_t a, bool upper, std::size_t account) {
-          visit(solid - bodies.first(), closed, cell, side(a, upper), account);
+        for_each_touched(surface, cell, solid, [&](std::size_t of_side, std::size_t account) {
+          visit(solid - bodies.first(), closed, cell, of_side, account);
         });
       });
     }
@@ -98,15 +142,17 @@ void ContactFilms::find(const FreeSurface& surface) {
     const Range cut = cuts_.cut_columns(k, r);
     for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) add_cell(surface, {k, r, c});
   });
-  std::vector<TotalImpulse> missing = uniform_.total(comm_);
+  const std::vector<TotalImpulse> sums = uniform_.total(comm_);
+  std::vector<Open> missing(sums.size());
   bool any = false;
-  for (std::size_t n = 0; n < missing.size(); ++n) {
+  for (std::size_t n = 0; n < sums.size(); ++n) {
     const auto b = static_cast<Eigen::Index>(grid.axis(n % 3));
-    const Real face = h_ * h_ / grid.size()[static_cast<Eigen::Index>(n % 3)], push = missing[n].shift[b];
-    const bool touches = std::abs(push) > min_contact * face + min_part * missing[n].shift[(b + 1) % 3];
-    missing[n].shift = push * Vec3::Unit(b);
-    if (!touches) missing[n] = {};
-    any = any || touches;
+    const Vec3& sum = sums[n].shift;
+    const Real face = h_ * h_ / grid.size()[static_cast<Eigen::Index>(n % 3)];
+    if (!(std::abs(sum[b]) > min_contact * face + min_part * sum[(b + 1) % 3])) continue;
+    const Real unit = half_height(obstacles_.floating()->first() + n / 3);
+    missing[n] = {{sum[b] * Vec3::Unit(b), sums[n].moment}, sum[(b + 2) % 3] * unit * unit};
+    any = true;
   }
   contacts_.clear();
   if (!any) return;
@@ -137,29 +183,72 @@ TotalImpulse ContactFilms::about(std::size_t body, const TotalImpulse& push, std
   return {push.shift, push.moment + arm.cross(push.shift)};
 }
 
+// The height of the centroid of an open part of a surface about the centre of its body, m; `b`: its normal.
+Real ContactFilms::height_of(const Open& open, Eigen::Index b) {
+  return (b == 0 ? open.push.moment.y() : -open.push.moment.x()) / open.push.shift[b];
+}
+
 // A body that rests on another one hands the surface of that contact on to it, and so forth down to what stands still.
 // `missing`: for each body and direction, what is missing to a closed surface.
-void ContactFilms::share_out(const FreeSurface& surface, std::vector<TotalImpulse> missing) {
+void ContactFilms::share_out(const FreeSurface& surface, std::vector<Open> missing) {
   const RigidBodies& bodies = *obstacles_.floating();
   for (std::size_t pass = 0; pass <= bodies.count(); ++pass) {
     for (std::size_t n = 0; n < missing.size(); ++n) {
       const auto b = static_cast<Eigen::Index>(surface.grid().axis(n % 3));
-      const std::size_t body = n / 3, on = side(n % 3, missing[n].shift[b] > 0);
+      const std::size_t body = n / 3, on = side(n % 3, missing[n].push.shift[b] > 0);
       const int other = touched_[sides * body + on];
-      if (missing[n].shift.isZero(0) || other == 0) continue;
+      if (missing[n].push.shift.isZero(0) || other == 0) continue;
       const auto account = static_cast<std::size_t>(other - 1);
       contacts_.push_back({body, on, account, missing[n]});
       if (bodies.holds(account)) {
         const std::size_t next = account - bodies.first();
-        missing[3 * next + n % 3] += about(body, missing[n], next);
+        Open& rest = missing[3 * next + n % 3];
+        const Real up = bodies.center(bodies.first() + body).z() - bodies.center(account).z();
+        if (n % 3 < 2)
+          rest.square += missing[n].square + missing[n].push.shift[b] * up * (2 * height_of(missing[n], b) + up);
+        rest.push += about(body, missing[n].push, next);
       }
       missing[n] = {};
     }
   }
 }
 
-// The pressure around a contact is that of the cells beside both the body and what it touches, in the mean, weighted by
-// what the body closes; below and above a body it is that at its lowest or highest point.
+namespace {
+
+// The mean over a height, m, and that times the distance from its middle, of a pressure that is `phi` in the middle and
+// grows upwards by `rise` a metre, where it is below zero.
+std::pair<Real, Real> below_zero(Real phi, Real rise, Real height) {
+  Real low = -height / 2, high = height / 2;
+  if (rise > 0) high = std::clamp(-phi / rise, low, high);
+  if (rise < 0) low = std::clamp(-phi / rise, low, high);
+  if (!(height > 0) || (rise == 0 && phi >= 0)) return {std::min(phi, 0.0), 0};
+  const Real square = (high * high - low * low) / 2, cube = (high * high * high - low * low * low) / 3;
+  return {(phi * (high - low) + rise * square) / height, (phi * square + rise * cube) / height};
+}
+
+}  // namespace
+
+// What the film of a contact gives to the water, by what is known of the pressure around it. Beside a body it is linear
+// in height over as much of it as the second moment of the contact tells.
+TotalImpulse ContactFilms::film_of(const Contact& contact, Eigen::Index b, const TotalImpulse& around) const {
+  const Real weight = around.shift.x();
+  if (!(weight > 0)) return {};
+  const TotalImpulse& push = contact.open.push;
+  const auto mean = [&](Real sum) { return sum / weight; };
+  const Real phi = mean(around.shift.y()), level = mean(around.shift.z());
+  if (b == 2) return {-phi * push.shift, -phi * push.moment};
+  const Real spread = mean(around.moment.x()) / h_ - level * level;
+  const Real rise = spread > 0.01 ? (mean(around.moment.y()) / h_ - level * phi) / spread : 0;
+  const Real unit = half_height(obstacles_.floating()->first() + contact.body), height = height_of(contact.open, b);
+  const Real square = contact.open.square / push.shift[b] - height * height;
+  const auto [inside, tilt] =
+      below_zero(phi + rise * (height / unit - level), rise / unit, std::sqrt(12 * std::max(square, 0.0)));
+  const Vec3 turn = tilt * push.shift[b] * (b == 0 ? Vec3(0, 1, 0) : Vec3(-1, 0, 0));
+  return {-inside * push.shift, -inside * push.moment - turn};
+}
+
+// The pressure around a contact is that of the cells beside both the body and what it touches, weighted by what the
+// body closes; below and above a body it is that at its lowest or highest point.
 const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface, const RecordForces& forces,
                                                      Real spacing) {
   films_.clear();
@@ -170,19 +259,28 @@ const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface,
   for_each_beside(surface, [&](std::size_t body, Real closed, const std::array<LocalId, 3>& cell, std::size_t of_side,
                                std::size_t) {
     const std::size_t at = grid.index(cell[0], cell[1], cell[2]);
-    const Box place = obstacles_.body(bodies.first() + body).surface_box();
-    const Real z = of_side % 2 == 1 ? place.max.z() : place.min.z();
-    const Real height = (z - cuts_.middle(cell[0], cell[1], cell[2]).z()) / grid.size()[2] + 0.5;
-    const Real phi = of_side / 2 < 2 ? forces.on_side(at) : forces.at_height(at, std::clamp(height, 0.0, 1.0));
-    around_.add(sides * body + of_side, TotalImpulse{Vec3(closed * h_, closed * phi / h_, 0), Vec3::Zero()});
+    const Real middle = cuts_.middle(cell[0], cell[1], cell[2]).z();
+    Real up = 0, height = 0.5;  // above the centre of the body; in the cell
+    if (of_side / 2 < 2) {
+      if (!surface.is_wet(at)) return;
+      up = (middle - bodies.center(bodies.first() + body).z()) / half_height(bodies.first() + body);
+    } else {
+      const Box place = obstacles_.body(bodies.first() + body).surface_box();
+      const Real z = of_side % 2 == 1 ? place.max.z() : place.min.z();
+      height = std::clamp((z - middle) / grid.size()[2] + 0.5, 0.0, 1.0);
+    }
+    const Real phi = forces.at_height(at, height) / (h_ * h_), weight = closed * h_;
+    around_.add(sides * body + of_side,
+                TotalImpulse{weight * Vec3(1, phi, up), weight * h_ * Vec3(up * up, up * phi, 0)});
   });
   const std::vector<TotalImpulse> all = around_.total(comm_);
   films_.assign(bodies.count(), {});
   const Real particles = grid.size().prod() / (spacing * spacing * spacing);
   for (Contact& contact : contacts_) {
-    const Vec3& sum = all[sides * contact.body + contact.side].shift;
-    const Real part = sum.x() > 0 ? -sum.y() / sum.x() * particles : 0;
-    contact.film = {part * contact.uniform.shift, part * contact.uniform.moment};
+    const auto b = static_cast<Eigen::Index>(grid.axis(contact.side / 2));
+    contact.film = film_of(contact, b, all[sides * contact.body + contact.side]);
+    contact.film.shift *= particles;
+    contact.film.moment *= particles;
     films_[contact.body] += contact.film;
     if (!bodies.holds(contact.other)) continue;
     const std::size_t other = contact.other - bodies.first();

@@ -32,11 +32,20 @@ class ContactFilms {
   // A side of a body: lower or upper, along one of three directions of the grid.
   static constexpr std::size_t sides = 6;
   static std::size_t side(std::size_t a, bool upper) { return 2 * a + (upper ? 1 : 0); }
+  // A part of the surface of a body, along one direction: what a pressure of h² gives to the water there, about the
+  // centre of the body, and the same times the square of the height above that, m³.
+  struct Open {
+    TotalImpulse push{};
+    Real square = 0;
+  };
   struct Contact {
     std::size_t body, side, other;  // numbers of the body and of a side of it; account of what it touches there
-    TotalImpulse uniform;           // what a pressure of h² gives to the water in the contact, with the other sign
+    Open open;                      // of the contact, with the other sign
     TotalImpulse film{};            // what the present pressure gives there
   };
+  Real half_height(std::size_t body) const;
+  static Real height_of(const Open& open, Eigen::Index b);
+  TotalImpulse film_of(const Contact& contact, Eigen::Index b, const TotalImpulse& around) const;
   void add_cell(const FreeSurface& surface, const std::array<LocalId, 3>& cell);
   template <class Visit>
   void for_each_touched(const FreeSurface& surface, const std::array<LocalId, 3>& cell, std::size_t body,
@@ -44,7 +53,7 @@ class ContactFilms {
   template <class Visit>
   void for_each_beside(const FreeSurface& surface, const Visit& visit) const;
   void find_touched(const FreeSurface& surface);
-  void share_out(const FreeSurface& surface, std::vector<TotalImpulse> missing);
+  void share_out(const FreeSurface& surface, std::vector<Open> missing);
   TotalImpulse about(std::size_t body, const TotalImpulse& push, std::size_t other) const;
 
   MPI_Comm comm_;

@@ -216,9 +216,8 @@ Real CutCells::solid_part(const Vec3& corner, const Bodies& bodies) const {
 }
 
 // Linear in each sample, as for the faces.
-Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) const {
-  Samples at;
-  find_distances(corner, 2, sample_at, candidates.of_cell, at.distance);
+Real CutCells::open_at(const Vec3& corner, const Bodies& bodies, Samples& at, Cell& cell) const {
+  find_distances(corner, 2, sample_at, bodies, at.distance);
   find_slopes<samples * samples>(at.distance, at.slope[0]);
   find_slopes<samples>(at.distance, at.slope[1]);
   find_slopes<1>(at.distance, at.slope[2]);
@@ -227,8 +226,7 @@ Real CutCells::open_at(const Vec3& corner, Candidates& candidates, Cell& cell) c
     at.open[n] = clipped_cube(at.distance[n], {at.slope[0][n], at.slope[1][n], at.slope[2][n]});
     sum += at.open[n];
   }
-  measure_solid(corner, at, candidates.of_cell, cell);
-  find_shares(corner, at, candidates);
+  measure_solid(corner, at, bodies, cell);
   return sum / (samples * samples * samples);
 }
 
@@ -329,7 +327,9 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
     cell.solid = 1 - cell.open;
     return cell;
   }
-  const Real open = open_at(corner, candidates, cell);
+  Samples at;
+  const Real open = open_at(corner, bodies, at, cell);
+  find_shares(corner, at, candidates);
   cell.open = open < min_open || (open < sliver && !reaches_open(corner, bodies)) ? 0 : static_cast<float>(open);
   if (cell.open == 0) cell.solid = 1;
   cell.has_shares = cell.open > 0;

@@ -34,11 +34,10 @@ Real CutCells::countable(Real in_cell) {
   return std::rint(in_cell * parts) / parts;
 }
 
-Vec3 CutCells::middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const {
+Vec3 CutCells::middle_in(const std::array<LocalId, 3>& cell, const InCell& in_cell) const {
   Vec3 middle;
-  for (std::size_t a = 0; a < 3; ++a)
-    middle[static_cast<Eigen::Index>(a)] = cell[a] + countable(cells_[at].solid_middle[a]);
-  return place(middle) - excess_[cells_[at].nearest].middle;
+  for (std::size_t a = 0; a < 3; ++a) middle[static_cast<Eigen::Index>(a)] = cell[a] + countable(in_cell[a]);
+  return place(middle);
 }
 
 Vec3 CutCells::middle_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, const Cell& measured) const {
@@ -189,27 +188,22 @@ void CutCells::measure_cells(const ProjectionGrid& grid, std::vector<Cell>& cell
   measure_capacities(grid, cells);
 }
 
-// The motion of the solids that close each face.
+// The motion of the solids that close each face, and what each of them closes beside freely moving bodies.
 void CutCells::measure_motion(const ProjectionGrid& grid) {
   moved_.resize(grid.cells());
-  PerThread<std::vector<BodyFace>> faces;
-  const RigidBodies* const floating = obstacles_.floating();
+  PerThread<SolidParts::Found> found;
+  const bool any_float = any_floats();
   for_each_row_near([&](LocalId k, LocalId r, const Candidates& near, Range columns) {
+    SolidParts::Found& parts = found.mine();
     const auto measure_face = [&](std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at) {
       if (cells_[at].face[a] == 1 || (a == 1 && grid.is_layer())) return;  // nothing moves across a layer
-      const Vec3 corner = corner_of(grid, cell[0], cell[1], cell[2]);
-      const auto displacement = [&](const Body& body, const Vec3& place) {
-        return body.displacement_at(place)[axis_[a]];
-      };
-      if (floating != nullptr) {
-        const BodyFace own = body_face_beside(a, cell, corner, at, near.of_row, grid.step(a));
-        if (own.share > 0) {
-          faces.mine().push_back(own);
-          moved_[at][a] = static_cast<float>(own.share * displacement(obstacles_.body(own.body), own.p) + own.others);
-          return;
-        }
-      }
-      moved_[at][a] = static_cast<float>(displacement_of_closed(a, cell, corner, at, near.of_row, grid.step(a)));
+      const AtFace face{a, at, cell, corner_of(grid, cell[0], cell[1], cell[2]), grid.step(a)};
+      const std::size_t first = parts.of_faces.size();
+      if (any_float) find_parts_of_face(face, near.of_row, parts.of_faces);
+      Real sum = 0;
+      for (std::size_t n = first; n < parts.of_faces.size(); ++n) sum += displacement(parts.of_faces[n]);
+      const bool has_parts = parts.of_faces.size() > first;
+      moved_[at][a] = static_cast<float>(has_parts ? sum : displacement_of_closed(face, near.of_row));
     };
     for (LocalId c = columns.begin; c < columns.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
@@ -219,16 +213,14 @@ void CutCells::measure_motion(const ProjectionGrid& grid) {
         moved_[beyond] = {0, 0, 0};
         measure_face(a, {k, r + (a == 1), c + (a == 2)}, beyond);
       });
+      if (any_float) find_parts_of_cell(corner_of(grid, k, r, c), at, near.of_row, parts.of_cells);
     }
   });
   grid.repeat(moved_);
-  if (floating == nullptr) return;
-  body_faces_.clear();
-  faces.for_each([&](const auto& some) { body_faces_.insert(body_faces_.end(), some.begin(), some.end()); });
-  std::sort(body_faces_.begin(), body_faces_.end(),
-            [](const BodyFace& f, const BodyFace& g) { return std::pair(f.at, f.a) < std::pair(g.at, g.a); });
-  for (std::size_t n = body_faces_.size(); n-- > 0;)
-    cells_[body_faces_[n].at].body_faces = static_cast<std::uint32_t>(n + 1);
+  if (!any_float) return;
+  parts_.collect(found);
+  for (std::size_t n = parts_.of_faces().size(); n-- > 0;)
+    cells_[parts_.of_faces()[n].at].parts = static_cast<std::uint32_t>(n + 1);
 }
 
 void CutCells::find_columns(const ProjectionGrid& grid) {

@@ -16,6 +16,7 @@
 #include "boundary/obstacles/obstacles.hpp"
 #include "projection/clipped_cell.hpp"
 #include "projection/grid.hpp"
+#include "projection/solid_parts.hpp"
 
 namespace trevi {
 
@@ -69,14 +70,16 @@ class CutCells {
   /// cells.
   template <class Visit>
   void move_faces(const Visit& visit) {
-    for (const BodyFace& face : body_faces_) {
-      const Body& body = obstacles_.body(face.body);
-      const Vec3 path = body.displacement_at(face.p);
-      float& moved = moved_[face.at][face.a];
-      const auto now = static_cast<float>(face.share * path[axis_[face.a]] + face.others);
+    const std::vector<PartOfFace>& parts = parts_.of_faces();
+    for (std::size_t n = 0; n < parts.size();) {
+      const auto [at, a] = std::pair(parts[n].at, parts[n].a);
+      Real sum = 0;
+      for (; n < parts.size() && parts[n].at == at && parts[n].a == a; ++n) sum += displacement(parts[n]);
+      float& moved = moved_[at][a];
+      const auto now = static_cast<float>(sum);
       const Real change = static_cast<Real>(now) - static_cast<Real>(moved);
       moved = now;
-      if (change != 0) visit(face.a, face.at, (1 - this->face(face.a, face.at)) * change);
+      if (change != 0) visit(a, at, (1 - face(a, at)) * change);
     }
   }
   /// Whether a solid closes any part of the cells of a row or of their faces.
@@ -109,58 +112,66 @@ class CutCells {
   bool moves_in_water(std::size_t at) const {
     return floats(at) || (is_driven(at) && !obstacles_.body(nearest(at)).is_vessel());
   }
-  /// Volume of the nearest solid in a cell, in cells. For a floating body it is the part that is not open. Samples are
-  /// flat and overestimate round shapes. Where the cells cover all of such a body, each removes a share from its
-  /// surface such that the total volume and its centroid are those of the body.
-  Real solid(std::size_t at) const {
-    if (!floats(at)) return cells_[at].solid;
-    return 1 - open(at) - excess_[nearest(at)].volume * area(at);
+  /// The centroid of what is not open of a cell, m.
+  Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const {
+    return middle_in(cell, cells_[at].solid_middle) - excess_[cells_[at].nearest].middle;
   }
-  /// The centroid of that volume, m.
-  Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const;
+  /// Calls use(solid, volume, centroid, m) for the solids in a cell. The volume of a floating body, in cells, is what
+  /// is not open, less a share of its surface: samples are flat and overestimate round shapes, so where the cells cover
+  /// all of such a body, its total volume and centroid are made exact.
+  template <class Use>
+  void for_each_solid(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
+    const std::span<const PartOfCell> parts = parts_of_cell(at);
+    if (parts.empty()) {
+      const Real volume = floats(at) ? 1 - open(at) - excess_[nearest(at)].volume * area(at) : cells_[at].solid;
+      use(nearest(at), volume, middle_of_solid(cell, at));
+    }
+    for (const PartOfCell& part : parts) {
+      const Excess& excess = excess_[part.solid];
+      const Real less = excess.volume == 0 ? 0 : excess.volume * area_of(part.solid, at);
+      use(part.solid, part.volume - less, middle_in(cell, part.middle) - excess.middle);
+    }
+  }
+  /// The parts of the solids in a cell that is near a freely moving body and near another solid.
+  std::span<const PartOfCell> parts_of_cell(std::size_t at) const { return parts_.of_cell(at); }
+  /// The parts of the solids that close a face near a freely moving body.
+  std::span<const PartOfFace> parts_of_face(std::size_t a, std::size_t at) const {
+    const std::size_t first = cells_[at].parts;
+    return first == 0 ? std::span<const PartOfFace>() : parts_.of_face(a, at, first - 1);
+  }
   /// Pressure in a cell: its value at the centre, m², and its growth downwards, m.
   struct CellPressure {
     Real phi, fall;
   };
-  struct Pushes {
-    std::array<Impulse, 25> all;
-    std::array<std::size_t, 25> solid;  // on which each of them acts
-    std::size_t count = 0;
-    void add(std::size_t on, const Vec3& shift, const Vec3& place) {
-      solid[count] = on;
-      all[count++] = {shift, place};
-    }
-  };
   /// Calls use(solid, direction, whether it is the upper face, area of the part that this solid closes, centroid of
-  /// that, m) for the faces of a cell: what floating bodies close, but not from a gap below or above them, and unless
-  /// the nearest solid is one of these, what else is closed as the part of the nearest solid.
+  /// that, m) for the faces of a cell, except for what a gap is between.
   template <class Use>
   void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
-    const bool gap = is_gap(at);
     for (std::size_t a = 0; a < 3; ++a) {
+      const Real between = a == 2 ? closed_on_both(at) : 0;
       for (const bool upper : {false, true}) {
         const std::size_t face_at = upper ? at + step_[a] : at;
-        const Real closed = 1 - face(a, face_at);
-        if (closed == 0) continue;
-        const BodyFace* const own = any_floats() ? body_face(a, face_at) : nullptr;
-        if (own != nullptr && !(a == 2 && gap)) use(own->body, a, upper, own->share * closed, own->p);
-        if (floats(at) || (own != nullptr && own->share == 1)) continue;
+        const Real closed = 1 - face(a, face_at), beside = closed - between;
+        if (!(beside > 0)) continue;
         std::array<LocalId, 3> of_face = cell;
         of_face[a] += upper ? 1 : 0;
-        use(nearest(at), a, upper, own != nullptr ? (1 - own->share) * closed : closed,
-            middle_of_closed(a, of_face, face_at));
+        Vec3 off = Vec3::Zero();  // of the centroid of what is beside the gap
+        if (between > 0) off = between / beside * off_other_end(cell, at, upper);
+        const std::span<const PartOfFace> parts = parts_of_face(a, face_at);
+        for (const PartOfFace& part : parts) use(part.solid, a, upper, part.share * beside, part.middle + off);
+        if (!parts.empty() || floats(at)) continue;
+        use(nearest(at), a, upper, beside, middle_of_closed(a, of_face, face_at) + off);
       }
     }
   }
-  /// Whether an owned cell is a thin gap below or above a freely moving body: part of its contact (ContactFilms).
+  /// Whether a cell is a thin gap below or above a freely moving body: part of its contact (ContactFilms).
   bool is_gap(std::size_t at) const { return std::binary_search(gaps_.begin(), gaps_.end(), at); }
   /// Whether the pressure of a cell pushes a freely moving body.
   bool is_pushed(std::size_t at) const;
   /// The impulses that the pressure of a cell gives to its water at each of its faces that a solid closes, m. Their
   /// points of application are the centroids of the closed parts, so that the work on any motion of a body equals the
-  /// work on the flux of the cell. By Gauss's theorem on the solid part of the cell this is exact for water at rest,
-  /// whatever the position of the solid; where a cell holds several, the weight of their parts counts as that of the
-  /// nearest one.
+  /// work on the flux of the cell. By Gauss's theorem on the part of each solid in the cell this is exact for water at
+  /// rest, whatever the position of the solids.
   Pushes pushes(const std::array<LocalId, 3>& cell, std::size_t at, const CellPressure& pressure) const;
   /// The same for water that reaches up to `height` in the cell, in cells, from 0 to 1. `phi` is the pressure in excess
   /// of that of water at rest. It acts on side faces up to that height, like the flux.
@@ -185,7 +196,7 @@ class CutCells {
     InCell solid_middle{0.5F, 0.5F, 0.5F};
     float capacity = 1;
     std::array<float, 2> aside{};
-    std::uint32_t body_faces = 0;  // number of the first of its lower faces in `body_faces_`, from 1; 0: none
+    std::uint32_t parts = 0;  // number of the first part of its lower faces in `parts_`, from 1; 0: none
     std::uint32_t nearest : 30 = 0;
     bool has_shares : 1 = false;  // whether it has its own shares in `shares_`, because a solid is near
     bool cut : 1 = false;         // whether a part of it or of its lower faces is closed
@@ -233,6 +244,7 @@ class CutCells {
   // The position along direction a.
   Real place(std::size_t a, Real in_cells) const;
   Vec3 place(const Vec3& in_cells) const;
+  Vec3 middle_in(const std::array<LocalId, 3>& cell, const InCell& in_cell) const;
   // At the walls a solid continues as it is slightly inside them, so that a solid on the floor closes its face there.
   Real in_box(Eigen::Index axis, Real place) const {
     return std::min(std::max(place, inner_.min[axis]), inner_.max[axis]);
@@ -281,7 +293,7 @@ class CutCells {
   bool are_thick(const Vec3& middle, const Bodies& bodies) const;
   bool are_clear(const Bodies& bodies) const;
   Real solid_part(const Vec3& corner, const Bodies& bodies) const;
-  Real open_at(const Vec3& corner, Candidates& candidates, Cell& cell) const;
+  Real open_at(const Vec3& corner, const Bodies& bodies, Samples& at, Cell& cell) const;
   bool reaches_open(const Vec3& corner, const Bodies& bodies) const;
   // See cut_cell_capacity.cpp.
   void store_shares(std::size_t cells);
@@ -343,21 +355,27 @@ class CutCells {
     bool clear;     // whether these are thick and extend to no wall
   };
   std::vector<RangeNear> near_;  // the ranges in the zones that are being measured, ghost rows included
-  // The share of the closed part of a face that a floating body closes, the centroid of that share, and the
-  // displacement of the other solids that close the face times their share, m.
-  struct BodyFace {
-    std::size_t at, a, body;
-    Vec3 p;
-    Real share = 1, others = 0;
+  // See cut_cell_parts.cpp.
+  struct AtFace {
+    std::size_t a, at;
+    std::array<LocalId, 3> cell;  // of which it is the lower face
+    Vec3 corner;                  // of this
+    std::size_t stride;
   };
-  const BodyFace* body_face(std::size_t a, std::size_t at) const;
-  BodyFace body_face_beside(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner, std::size_t at,
-                            const Bodies& near, std::size_t stride) const;
-  Real side_of_solid(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at, std::size_t stride) const;
-  Cell closed_by(std::size_t body, std::size_t a, const Vec3& corner, Real side) const;
-  bool closes(std::size_t body, std::size_t a, const Vec3& corner) const;
-  Real displacement_of_closed(std::size_t a, const std::array<LocalId, 3>& cell, const Vec3& corner, std::size_t at,
-                              const Bodies& near, std::size_t stride) const;
+  struct SolidsNear {
+    Bodies bodies, others;  // floating or not
+  };
+  SolidsNear solids_near(const Vec3& p, Real reach, const Bodies& near) const;
+  void find_parts_of_face(const AtFace& face, const Bodies& near, std::vector<PartOfFace>& parts) const;
+  void find_parts_of_cell(const Vec3& corner, std::size_t at, const Bodies& near, std::vector<PartOfCell>& parts) const;
+  Real displacement(const PartOfFace& part) const;  // times its share
+  Real area_of(std::size_t solid, std::size_t at) const;
+  Real closed_on_both(std::size_t at) const;
+  Vec3 off_other_end(const std::array<LocalId, 3>& cell, std::size_t at, bool upper) const;
+  Cell filled_by(const Bodies& solids, const Vec3& corner) const;
+  Real side_of_solid(const AtFace& face) const;
+  Cell closed_by(const Bodies& solids, std::size_t a, const Vec3& corner, Real side) const;
+  Real displacement_of_closed(const AtFace& face, const Bodies& near) const;
   std::array<std::size_t, 3> step_{};
   // For each solid: excess volume in cells per face of its surface, and the offset of the centroid of its part in a cut
   // cell, m.
@@ -366,9 +384,9 @@ class CutCells {
     Vec3 middle = Vec3::Zero();
   };
   std::vector<Excess> excess_;
-  std::vector<BodyFace> body_faces_;  // of freely moving bodies
-  std::vector<std::size_t> gaps_;     // cells for which is_gap() holds, in ascending order
-  std::vector<Range> cut_columns_;    // of all planes and rows, including those beside them
+  SolidParts parts_;
+  std::vector<std::size_t> gaps_;   // cells for which is_gap() holds, in ascending order
+  std::vector<Range> cut_columns_;  // of all planes and rows, including those beside them
 };
 
 // Calls visit(k, r, columns) for the ranges that find_ranges_near() has found.

@@ -87,7 +87,7 @@ Real RecordForces::at_height(std::size_t at, Real height) const {
   return std::min(pressure_.phi_so_far(at) + fall * size * (height - 0.5), 0.0);
 }
 
-RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
+Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId c) const {
   Pushes pushes = shifts_of_cell(k, r, c);
   const Real particles = surface_.grid().size().prod() / (spacing_ * spacing_ * spacing_);
   for (std::size_t n = 0; n < pushes.count; ++n) pushes.all[n].shift *= particles;
@@ -95,7 +95,7 @@ RecordForces::Pushes RecordForces::pushes_of_cell(LocalId k, LocalId r, LocalId 
 }
 
 // The same for a mass of a single particle per cell.
-RecordForces::Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId c) const {
+Pushes RecordForces::shifts_of_cell(LocalId k, LocalId r, LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
   const std::size_t at = grid.index(k, r, c);
   if (surface_.is_solid(at)) return {};

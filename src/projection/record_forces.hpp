@@ -22,7 +22,6 @@ class RecordForces {
   void of_row(LocalId k, LocalId r, std::span<const Vec4<T>> moved, std::span<const Vec3> from) const;
   void of_gauges(const Box& box) const;
   /// The impulses that the pressure of a cut cell gives to the water (CutCells::pushes()), for all of its particles.
-  using Pushes = CutCells::Pushes;
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
   /// The pressure on a vertical side of a cell up to the height of the water, averaged over the whole side, m².
   Real on_side(std::size_t at) const;

@@ -257,8 +257,8 @@ struct Afloat {
           const Vec3 middle = cuts.middle(k, r, c);
           const Real height = (level - middle.z()) / h + 0.5;
           if (height <= 0 || cuts.open(at) == 0 || cuts.open(at) == 1) continue;
-          const CutCells::Pushes pushes = height >= 1 ? cuts.pushes({k, r, c}, at, {middle.z() - level, 1})
-                                                      : cuts.pushes_below({k, r, c}, at, height, {0, 1});
+          const Pushes pushes = height >= 1 ? cuts.pushes({k, r, c}, at, {middle.z() - level, 1})
+                                            : cuts.pushes_below({k, r, c}, at, height, {0, 1});
           for (std::size_t n = 0; n < pushes.count; ++n) {
             const Vec3 push = -pushes.all[n].shift / all;
             force += push;
