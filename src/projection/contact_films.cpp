@@ -70,7 +70,6 @@ void ContactFilms::for_each_touched(const FreeSurface& surface, const std::array
                                     const Visit& visit) const {
   const ProjectionGrid& grid = surface.grid();
   const std::size_t at = grid.index(cell[0], cell[1], cell[2]);
-  const auto is_filled = [&](std::size_t next) { return surface.is_solid(next) || cuts_.is_gap(next); };
   const auto beyond = [&](std::size_t from, std::size_t a, bool upper) {
     return upper ? from + grid.step(a) : from - grid.step(a);
   };
@@ -80,7 +79,7 @@ void ContactFilms::for_each_touched(const FreeSurface& surface, const std::array
   };
   const auto look_into = [&](std::size_t a, bool upper) {
     const std::size_t next = beyond(at, a, upper);
-    if (!is_filled(next)) return;
+    if (!surface.is_solid(next) && !(a < 2 && cuts_.is_gap(next))) return;  // a gap is a part of a contact
     const std::span<const PartOfCell> parts = cuts_.parts_of_cell(next);
     const auto own = std::find_if(parts.begin(), parts.end(), [&](const PartOfCell& p) { return p.solid == body; });
     if (own == parts.end() && cuts_.nearest(next) != body) return touch(a, upper, cuts_.nearest(next));
