@@ -11,8 +11,9 @@ namespace trevi {
 
 namespace {
 
-// Of a body's closed faces along an axis, and of one face: less is the rounding of a closed surface.
-constexpr Real min_part = 0.002, min_contact = 0.01;
+// Of a body's closed faces along an axis, and of one face: less is the rounding of a closed surface. Less of a face than
+// the last one is that of edges, beyond which the body is not.
+constexpr Real min_part = 0.002, min_contact = 0.01, min_beside = 0.02;
 
 }  // namespace
 
@@ -125,7 +126,7 @@ void ContactFilms::for_each_beside(const FreeSurface& surface, const Visit& visi
       const std::size_t at = grid.index(k, r, c);
       if (surface.is_solid(at) || !cuts_.is_pushed(at) || cuts_.is_gap(at)) continue;
       cuts_.for_each_closed(cell, at, [&](std::size_t solid, std::size_t, bool, Real closed, const Vec3&) {
-        if (!bodies.holds(solid)) return;
+        if (!bodies.holds(solid) || closed < min_beside) return;
         for_each_touched(surface, cell, solid, [&](std::size_t of_side, std::size_t account) {
           visit(solid - bodies.first(), closed, cell, of_side, account);
         });
