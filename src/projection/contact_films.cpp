@@ -11,8 +11,8 @@ namespace trevi {
 
 namespace {
 
-// Of a body's closed faces along an axis, and of one face: less is the rounding of a closed surface. Less of a face than
-// the last one is that of edges, beyond which the body is not.
+// Of a body's closed faces along an axis, and of one face: less is the rounding of a closed surface. Less of a face
+// than the last one is that of edges, beyond which the body is not.
 constexpr Real min_part = 0.002, min_contact = 0.01, min_beside = 0.02;
 
 }  // namespace
@@ -80,7 +80,8 @@ void ContactFilms::for_each_touched(const FreeSurface& surface, const std::array
   };
   const auto look_into = [&](std::size_t a, bool upper) {
     const std::size_t next = beyond(at, a, upper);
-    if (!surface.is_solid(next) && !(a < 2 && cuts_.is_gap(next))) return;  // a gap is a part of a contact
+    // A gap across this direction is a part of a contact.
+    if (!surface.is_solid(next) && !cuts_.is_gap((a + 1) % 3, next) && !cuts_.is_gap((a + 2) % 3, next)) return;
     const std::span<const PartOfCell> parts = cuts_.parts_of_cell(next);
     const auto own = std::find_if(parts.begin(), parts.end(), [&](const PartOfCell& p) { return p.solid == body; });
     if (own == parts.end() && cuts_.nearest(next) != body) return touch(a, upper, cuts_.nearest(next));
@@ -124,7 +125,8 @@ void ContactFilms::for_each_beside(const FreeSurface& surface, const Visit& visi
     for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
       const std::array<LocalId, 3> cell{k, r, c};
       const std::size_t at = grid.index(k, r, c);
-      if (surface.is_solid(at) || !cuts_.is_pushed(at) || cuts_.is_gap(at)) continue;
+      if (surface.is_solid(at) || !cuts_.is_pushed(at)) continue;
+      if (cuts_.is_gap(0, at) || cuts_.is_gap(1, at) || cuts_.is_gap(2, at)) continue;
       cuts_.for_each_closed(cell, at, [&](std::size_t solid, std::size_t, bool, Real closed, const Vec3&) {
         if (!bodies.holds(solid) || closed < min_beside) return;
         for_each_touched(surface, cell, solid, [&](std::size_t of_side, std::size_t account) {
