@@ -80,8 +80,7 @@ void ContactFilms::for_each_touched(const FreeSurface& surface, const std::array
   };
   const auto look_into = [&](std::size_t a, bool upper) {
     const std::size_t next = beyond(at, a, upper);
-    // A gap across this direction is a part of a contact.
-    if (!surface.is_solid(next) && !cuts_.is_gap((a + 1) % 3, next) && !cuts_.is_gap((a + 2) % 3, next)) return;
+    if (!surface.is_solid(next) && !(a < 2 && cuts_.is_gap(next))) return;  // a gap is a part of a contact
     const std::span<const PartOfCell> parts = cuts_.parts_of_cell(next);
     const auto own = std::find_if(parts.begin(), parts.end(), [&](const PartOfCell& p) { return p.solid == body; });
     if (own == parts.end() && cuts_.nearest(next) != body) return touch(a, upper, cuts_.nearest(next));
@@ -125,8 +124,7 @@ void ContactFilms::for_each_beside(const FreeSurface& surface, const Visit& visi
     for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
       const std::array<LocalId, 3> cell{k, r, c};
       const std::size_t at = grid.index(k, r, c);
-      if (surface.is_solid(at) || !cuts_.is_pushed(at)) continue;
-      if (cuts_.is_gap(0, at) || cuts_.is_gap(1, at) || cuts_.is_gap(2, at)) continue;
+      if (surface.is_solid(at) || !cuts_.is_pushed(at) || cuts_.is_gap(at)) continue;
       cuts_.for_each_closed(cell, at, [&](std::size_t solid, std::size_t, bool, Real closed, const Vec3&) {
         if (!bodies.holds(solid) || closed < min_beside) return;
         for_each_touched(surface, cell, solid, [&](std::size_t of_side, std::size_t account) {
@@ -231,8 +229,11 @@ std::pair<Real, Real> below_zero(Real phi, Real rise, Real height) {
 }  // namespace
 
 // What the film of a contact gives to the water, by what is known of the pressure around it. Beside a body it is linear
-// in height over as much of it as the second moment of the contact tells.
+// in height, over as much of it as the second moment of the contact tells. Its slope is that of the cells around, which
+// counts as that of water at rest where they are at one height, within this part of half the height of the body: four
+// floats that touch one another turn by 0.42 rad/s within a second, 0.51 with the former alone.
 TotalImpulse ContactFilms::film_of(const Contact& contact, Eigen::Index b, const TotalImpulse& around) const {
+  constexpr Real trust = 0.2;
   const Real weight = around.shift.x();
   if (!(weight > 0)) return {};
   const TotalImpulse& push = contact.open.push;
@@ -240,8 +241,10 @@ TotalImpulse ContactFilms::film_of(const Contact& contact, Eigen::Index b, const
   const Real phi = mean(around.shift.y()), level = mean(around.shift.z());
   if (b == 2) return {-phi * push.shift, -phi * push.moment};
   const Real spread = mean(around.moment.x()) / h_ - level * level;
-  const Real rise = spread > 0.01 ? (mean(around.moment.y()) / h_ - level * phi) / spread : 0;
-  const Real unit = half_height(obstacles_.floating()->first() + contact.body), height = height_of(contact.open, b);
+  const Real unit = half_height(obstacles_.floating()->first() + contact.body);
+  const Real at_rest = fall_ * unit / (h_ * h_);
+  const Real rise = (mean(around.moment.y()) / h_ - level * phi + trust * at_rest) / (spread + trust);
+  const Real height = height_of(contact.open, b);
   const Real square = contact.open.square / push.shift[b] - height * height;
   const auto [inside, tilt] =
       below_zero(phi + rise * (height / unit - level), rise / unit, std::sqrt(12 * std::max(square, 0.0)));
@@ -258,6 +261,7 @@ const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface,
   const ProjectionGrid& grid = surface.grid();
   const RigidBodies& bodies = *obstacles_.floating();
   around_.clear();
+  fall_ = forces.fall();
   for_each_beside(surface, [&](std::size_t body, Real closed, const std::array<LocalId, 3>& cell, std::size_t of_side,
                                std::size_t) {
     const std::size_t at = grid.index(cell[0], cell[1], cell[2]);

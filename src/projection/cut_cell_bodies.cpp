@@ -76,43 +76,35 @@ void CutCells::measure_excess(MPI_Comm comm, const ProjectionGrid& grid) {
   }
 }
 
-// Of a cell that is a gap along a direction: what is closed of its lower and upper face alike.
-Real CutCells::closed_on_both(std::size_t a, std::size_t at) const {
-  return is_gap(a, at) ? 1 - std::max(face(a, at), face(a, at + step_[a])) : 0;
-}
-
-// The distance of the centroid of the closed part of a lower or upper face from that of the other one, along the face,
-// m.
-Vec3 CutCells::off_other_end(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at, bool upper) const {
-  Vec3 off = middle_of_closed(a, cell, at) - middle_of_closed(a, cell, at + step_[a]);
-  off[axis_[a]] = 0;
-  return upper ? Vec3(-off) : off;
+// The horizontal distance of the centroid of the closed part of a lower or upper face from that of the other one, m.
+Vec3 CutCells::off_other_end(const std::array<LocalId, 3>& cell, std::size_t at, bool upper) const {
+  const Vec3 off = middle_of_closed(2, cell, at) - middle_of_closed(2, cell, at + step_[2]);
+  return (upper ? -1 : 1) * Vec3(off.x(), off.y(), 0);
 }
 
 // In a gap of up to a fifth of a cell the inner cells are dry, and those around them have a part of the pressure only:
-// a wide body that rose by a hair fell back, and floats that touched one another jumped to and fro.
+// a wide body that rose by a hair fell back.
 void CutCells::find_gaps(const ProjectionGrid& grid) {
   constexpr Real thin = 0.2;
   PerThread<std::vector<Gap>> found;
   for_each_row(grid.rows_and_ghosts_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     const Range cut = cut_columns(k, r);
-    const std::array<bool, 3> knows{k > 0 && k <= grid.planes(), r >= 0 && r < grid.rows(), true};
     for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
       const std::size_t at = grid.index(k, r, c);
       if (open(at) == 0 || open(at) >= thin) continue;
-      // Whether a body at this face touches something beyond the other one.
-      const auto touches = [&](std::size_t a, bool upper) {
-        const std::size_t beyond = upper ? at - step_[a] : at + step_[a];
-        const bool wall = grid.is_wall({a, !upper}, k, r, c), solid = !wall && cells_[beyond].open == 0;
-        for (const PartOfFace& part : parts_of_face(a, upper ? at + step_[a] : at)) {
+      Real low = 1 - face(2, at), high = 1 - face(2, at + step_[2]);
+      const auto touches = [&](bool upper) {  // whether a body at this face touches something beyond the other one
+        const std::size_t beyond = upper ? at - 1 : at + 1;
+        const bool wall = grid.is_wall({2, !upper}, k, r, c), solid = !wall && cells_[beyond].open == 0;
+        if (wall) (upper ? low : high) = 1;
+        for (const PartOfFace& part : parts_of_face(2, upper ? at + 1 : at)) {
           if (!obstacles_.floating()->holds(part.solid)) continue;
           if (wall || (solid && nearest(beyond) != part.solid)) return true;
         }
         return false;
       };
-      Gap gap{at, {}};
-      for (std::size_t a = 0; a < 3; ++a) gap.along[a] = knows[a] && (touches(a, false) || touches(a, true));
-      if (gap.along[0] || gap.along[1] || gap.along[2]) found.mine().push_back(gap);
+      const bool above = touches(false), below = touches(true);
+      if ((above || below) && low > 0 && high > 0) found.mine().push_back({at, std::min(low, high)});
     }
   });
   gaps_.clear();
@@ -127,7 +119,7 @@ Pushes CutCells::pushes(const std::array<LocalId, 3>& cell, std::size_t at, cons
     const Real push = (pressure.phi + pressure.fall * (arm.z() - level)) / size_[static_cast<Eigen::Index>(a)] * closed;
     pushes.add(solid, (upper ? push : -push) * Vec3::Unit(axis_[a]), arm);
   });
-  const Real beside = 1 - closed_on_both(2, at);
+  const Real beside = 1 - between(at);
   if (pushes.count == 0 || beside == 0) return pushes;
   for_each_solid(cell, at, [&](std::size_t solid, Real volume, const Vec3& place) {
     pushes.add(solid, -pressure.fall * beside * volume * Vec3::UnitZ(), place);
@@ -192,7 +184,7 @@ Pushes CutCells::pushes_below(const std::array<LocalId, 3>& cell, std::size_t at
   };
   std::array<Filled, SolidParts::max_solids> all;
   std::size_t count = 0;
-  const Real beside = 1 - closed_on_both(2, at);
+  const Real beside = 1 - between(at);
   for_each_solid(cell, at, [&](std::size_t solid, Real volume, const Vec3& place) {
     all[count++] = {solid, beside * volume, beside * volume * (place - corner)};
   });

@@ -148,15 +148,15 @@ class CutCells {
   template <class Use>
   void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
     for (std::size_t a = 0; a < 3; ++a) {
-      const Real between = closed_on_both(a, at);
+      const Real in_gap = a == 2 ? between(at) : 0;
       for (const bool upper : {false, true}) {
         const std::size_t face_at = upper ? at + step_[a] : at;
-        const Real closed = 1 - face(a, face_at), beside = closed - between;
+        const Real closed = 1 - face(a, face_at), beside = closed - in_gap;
         if (!(beside > 0)) continue;
         std::array<LocalId, 3> of_face = cell;
         of_face[a] += upper ? 1 : 0;
         Vec3 off = Vec3::Zero();  // of the centroid of what is beside the gap
-        if (between > 0) off = between / beside * off_other_end(a, cell, at, upper);
+        if (in_gap > 0) off = in_gap / beside * off_other_end(cell, at, upper);
         const std::span<const PartOfFace> parts = parts_of_face(a, face_at);
         for (const PartOfFace& part : parts) use(part.solid, a, upper, part.share * beside, part.middle + off);
         if (!parts.empty() || floats(at)) continue;
@@ -164,12 +164,8 @@ class CutCells {
       }
     }
   }
-  /// Whether a cell is a thin gap between a freely moving body and something else beside it along direction a, below or
-  /// above it where a = 2: part of its contact (ContactFilms). Not known of ghost cells along their direction.
-  bool is_gap(std::size_t a, std::size_t at) const {
-    const auto gap = std::lower_bound(gaps_.begin(), gaps_.end(), Gap{at, {}});
-    return gap != gaps_.end() && gap->at == at && gap->along[a];
-  }
+  /// Whether a cell is a thin gap below or above a freely moving body: part of its contact (ContactFilms).
+  bool is_gap(std::size_t at) const { return between(at) > 0; }
   /// Whether the pressure of a cell pushes a freely moving body.
   bool is_pushed(std::size_t at) const;
   /// The impulses that the pressure of a cell gives to its water at each of its faces that a solid closes, m. Their
@@ -374,8 +370,12 @@ class CutCells {
   void find_parts_of_cell(const Vec3& corner, std::size_t at, const Bodies& near, std::vector<PartOfCell>& parts) const;
   Real displacement(const PartOfFace& part) const;  // times its share
   Real area_of(std::size_t solid, std::size_t at) const;
-  Real closed_on_both(std::size_t a, std::size_t at) const;
-  Vec3 off_other_end(std::size_t a, const std::array<LocalId, 3>& cell, std::size_t at, bool upper) const;
+  // Of a cell that is a gap: the part of its lower and upper face that this is between. 0 for others.
+  Real between(std::size_t at) const {
+    const auto gap = std::lower_bound(gaps_.begin(), gaps_.end(), Gap{at, 0});
+    return gap != gaps_.end() && gap->at == at ? gap->between : 0;
+  }
+  Vec3 off_other_end(const std::array<LocalId, 3>& cell, std::size_t at, bool upper) const;
   Cell filled_by(const Bodies& solids, const Vec3& corner) const;
   Real side_of_solid(const AtFace& face) const;
   Cell closed_by(const Bodies& solids, std::size_t a, const Vec3& corner, Real side) const;
@@ -391,10 +391,10 @@ class CutCells {
   SolidParts parts_;
   struct Gap {
     std::size_t at;
-    std::array<bool, 3> along;
+    Real between;
     bool operator<(const Gap& other) const { return at < other.at; }
   };
-  std::vector<Gap> gaps_;           // in the order of cells
+  std::vector<Gap> gaps_;           // cells for which is_gap() holds, in ascending order
   std::vector<Range> cut_columns_;  // of all planes and rows, including those beside them
 };
 
