@@ -69,19 +69,7 @@ class CutCells {
   /// the displacement of the solid times the closed part) for all faces that a body closes in part, in the order of
   /// cells.
   template <class Visit>
-  void move_faces(const Visit& visit) {
-    const std::vector<PartOfFace>& parts = parts_.of_faces();
-    for (std::size_t n = 0; n < parts.size();) {
-      const auto [at, a] = std::pair(parts[n].at, parts[n].a);
-      Real sum = 0;
-      for (; n < parts.size() && parts[n].at == at && parts[n].a == a; ++n) sum += displacement(parts[n]);
-      float& moved = moved_[at][a];
-      const auto now = static_cast<float>(sum);
-      const Real change = static_cast<Real>(now) - static_cast<Real>(moved);
-      moved = now;
-      if (change != 0) visit(a, at, (1 - face(a, at)) * change);
-    }
-  }
+  void move_faces(const Visit& visit);
   /// Whether a solid closes any part of the cells of a row or of their faces.
   bool cuts_row(LocalId k, LocalId r) const { return cut_columns(k, r).size() != 0; }
   /// Columns that contain all cells of the row for which this holds.
@@ -120,18 +108,7 @@ class CutCells {
   /// is not open, less a share of its surface: samples are flat and overestimate round shapes, so where the cells cover
   /// all of such a body, its total volume and centroid are made exact.
   template <class Use>
-  void for_each_solid(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
-    const std::span<const PartOfCell> parts = parts_of_cell(at);
-    if (parts.empty()) {
-      const Real volume = floats(at) ? 1 - open(at) - excess_[nearest(at)].volume * area(at) : cells_[at].solid;
-      use(nearest(at), volume, middle_of_solid(cell, at));
-    }
-    for (const PartOfCell& part : parts) {
-      const Excess& excess = excess_[part.solid];
-      const Real less = excess.volume == 0 ? 0 : excess.volume * area_of(part.solid, at);
-      use(part.solid, part.volume - less, middle_in(cell, part.middle) - excess.middle);
-    }
-  }
+  void for_each_solid(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
   /// The parts of the solids in a cell that is near a freely moving body and near another solid.
   std::span<const PartOfCell> parts_of_cell(std::size_t at) const { return parts_.of_cell(at); }
   /// The parts of the solids that close a face near a freely moving body.
@@ -146,24 +123,7 @@ class CutCells {
   /// Calls use(solid, direction, whether it is the upper face, area of the part that this solid closes, centroid of
   /// that, m) for the faces of a cell, except for what a gap is between.
   template <class Use>
-  void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
-    for (std::size_t a = 0; a < 3; ++a) {
-      const Real in_gap = a == 2 ? between(at) : 0;
-      for (const bool upper : {false, true}) {
-        const std::size_t face_at = upper ? at + step_[a] : at;
-        const Real closed = 1 - face(a, face_at), beside = closed - in_gap;
-        if (!(beside > 0)) continue;
-        std::array<LocalId, 3> of_face = cell;
-        of_face[a] += upper ? 1 : 0;
-        Vec3 off = Vec3::Zero();  // of the centroid of what is beside the gap
-        if (in_gap > 0) off = in_gap / beside * off_other_end(cell, at, upper);
-        const std::span<const PartOfFace> parts = parts_of_face(a, face_at);
-        for (const PartOfFace& part : parts) use(part.solid, a, upper, part.share * beside, part.middle + off);
-        if (!parts.empty() || floats(at)) continue;
-        use(nearest(at), a, upper, beside, middle_of_closed(a, of_face, face_at) + off);
-      }
-    }
-  }
+  void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
   /// Whether a cell is a thin gap below or above a freely moving body: part of its contact (ContactFilms).
   bool is_gap(std::size_t at) const { return between(at) > 0; }
   /// Whether the pressure of a cell pushes a freely moving body.
@@ -398,25 +358,6 @@ class CutCells {
   std::vector<Range> cut_columns_;  // of all planes and rows, including those beside them
 };
 
-// Calls visit(k, r, columns) for the ranges that find_ranges_near() has found.
-template <class Visit>
-void CutCells::for_each_range_near(const Visit& visit) const {
-  for_each_part(static_cast<LocalId>(near_.size()), [&](LocalId n) {
-    const RangeNear& one = near_[static_cast<std::size_t>(n)];
-    visit(one.k, one.r, one.columns);
-  });
-}
-
-// The same with the solids that matter to each range: visit(k, r, candidates, columns).
-template <class Visit>
-void CutCells::for_each_row_near(const Visit& visit) {
-  for_each_part(static_cast<LocalId>(near_.size()), [&](LocalId n) {
-    const RangeNear& one = near_[static_cast<std::size_t>(n)];
-    Candidates& own = candidates_.mine();
-    own.of_row = one.bodies;
-    own.clear = one.clear;
-    visit(one.k, one.r, own, one.columns);
-  });
-}
-
 }  // namespace trevi
+
+#include "projection/cut_cells-inl.hpp"

@@ -1,5 +1,6 @@
 // Bodies beside solids and on them: these take nothing of what the water does to a body, and the film of water in
 // a contact has the pressure of the water around it.
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -69,18 +70,70 @@ TEST(Touching, AnotherBodyNearbyTakesNothingOfTheBuoyancy) {
   }
 }
 
-// One on the other, both in the midst of the water, and both on the floor: what is in their contact is taken from one
-// of them and given to the other. Faces that both of them close are the part of one, so that the contact has some of
-// them.
-TEST(Touching, BodiesOnEachOtherHaveTheirBuoyancyTogether) {
-  for (const Real under : {0.0, 0.2}) {
-    BodyRun run(world, water_on({}) + body_of("type = \"box\"\nsize = [0.8, 0.8, 0.2]", 0.87, under + 0.1, 1000) +
-                           body_of(shapes[1].text, 0.87, under + 0.2 + half, 1000));
+// Each of two bodies on each other or side by side has what it closes of a face and fills of a cell. With each face and
+// cell given to the nearest body, one of them had up to four times its buoyancy, and the other what was missing.
+TEST(Touching, BodiesOnEachOtherHaveTheirOwnBuoyancy) {
+  struct Pair {
+    Real under, off;  // height of the lower one, and what it is off the faces of cells
+    Vec3 size;
+    Real above;  // size of the other one
+  };
+  const auto at = [](const Vec3& size, Real x, Real z) {
+    return fmt::format("[[body]]\ntype = \"box\"\nsize = [{}, {}, {}]\ncenter = [{}, 0.6, {}]\ndensity = 1000\n",
+                       size.x(), size.y(), size.z(), x, z);
+  };
+  const std::string tank =
+      tank_with_gravity({.max = "2, 1.2, 1.6", .water = {{"0, 0, 0", "2, 1.2, 1"}}, .spacing = "0.05"});
+  for (const auto& [under, off, size, above] :
+       {Pair{0.1, 0, {0.4, 0.4, 0.4}, 0.4}, Pair{0.1, 0.02, {0.4, 0.4, 0.4}, 0.4},
+        Pair{0.1, 0.02, {0.4, 0.4, 0.4}, 0.2}, Pair{0.2, 0, {0.2, 0.2, 0.2}, 0.4},
+        Pair{0.2, 0.02, {0.2, 0.2, 0.2}, 0.4}, Pair{0, 0, {0.4, 0.4, 0.2}, 0.4}}) {
+    const Real touch = under + off + size.z();
+    BodyRun run(world, tank + at(size, 1, touch - size.z() / 2) + at(Vec3::Constant(above), 1.03, touch + above / 2));
     run.steps(1);
-    const Vec3 both = run.forces.back()[0].force + run.forces.back()[1].force;
-    EXPECT_NEAR(both.z() / (9800 * 0.253), 1, 0.03) << under;
-    EXPECT_LT(std::hypot(both.x(), both.y()) / (9800 * 0.253), 0.03) << under;
+    const std::vector<BodyForce>& forces = run.forces.back();
+    const std::array<Real, 2> lift{forces[0].force.z() / (9800 * size.prod()),
+                                   forces[1].force.z() / (9800 * above * above * above)};
+    for (const Real one : lift) EXPECT_NEAR(one, 1, 0.08) << under << " " << off << " " << size.x() << " " << above;
   }
+}
+
+// The film beside a body has the pressure of its depth: it pushes as strongly as the water on the other side, and does
+// not turn the body. It had the mean of what is around the contact, and a box on a wall was pressed onto it by a tenth
+// of its weight, one in a corner of the floor by a third.
+TEST(Touching, NothingPressesABodyOntoWhatStandsBesideIt) {
+  struct Place {
+    Vec3 center, size;
+  };
+  const std::string tank =
+      tank_with_gravity({.max = "1.6, 1.2, 1.6", .water = {{"0, 0, 0", "1.6, 1.2, 1"}}, .spacing = "0.05"});
+  for (const auto& [center, size] : {Place{{0.8, 0.2, 0.5}, {0.4, 0.4, 0.4}}, Place{{0.2, 0.6, 0.4}, {0.4, 0.4, 0.4}},
+                                     Place{{0.2, 0.2, 0.2}, {0.4, 0.4, 0.4}}, Place{{0.8, 0.2, 0.5}, {0.4, 0.4, 0.8}},
+                                     Place{{1.3, 0.2, 0.65}, {0.6, 0.4, 0.4}}}) {
+    BodyRun run(world, tank + fmt::format("[[body]]\ntype = \"box\"\nsize = [{}, {}, {}]\ncenter = [{}, {}, {}]\n"
+                                          "density = 1000\n",
+                                          size.x(), size.y(), size.z(), center.x(), center.y(), center.z()));
+    run.steps(1);
+    const BodyForce& force = run.forces.back()[0];
+    const Real weight = 9800 * size.prod();
+    EXPECT_LT(std::hypot(force.force.x(), force.force.y()), 0.015 * weight) << center.transpose();
+    EXPECT_LT(force.torque.norm(), 0.01 * weight * size.z()) << center.transpose();
+  }
+}
+
+// Four floats that touch one another, off the cells.
+TEST(Touching, ARaftStaysTogether) {
+  std::string text =
+      tank_with_gravity({.max = "1.8, 1.8, 1.4", .water = {{"0, 0, 0", "1.8, 1.8, 0.8"}}, .spacing = "0.05"});
+  for (const Real x : {0.713, 1.113}) {
+    for (const Real y : {0.713, 1.113})
+      text += fmt::format("[[body]]\ntype = \"box\"\nsize = [0.4, 0.4, 0.2]\ncenter = [{}, {}, 0.76]\ndensity = 700\n",
+                          x, y);
+  }
+  BodyRun run(world, text);
+  run.steps(60);
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_LT((run.bodies()[k].position - run.scene.bodies[k].center).norm(), 0.03) << k;
 }
 
 // A wide body that rises by a hair has a gap below it into which its cells let no water.
@@ -145,6 +198,7 @@ TEST(Touching, BoxesMayLieOnEachOtherAndSideBySideOnTheFacesOfCells) {
 
 const std::string touching = water_on(0.03) + body_of(shapes[1].text, 0.5, 0.03 + half, 600) +
                              body_of("type = \"box\"\nsize = [0.6, 0.6, 0.3]", 1.3, 0.18, 2000) +
+                             body_of("type = \"box\"\nsize = [0.25, 0.3, 0.4]", 0.875, 0.23, 800) +
                              body_of(shapes[0].text, 1.3, 0.33 + half, 700);
 
 TEST(Touching, SameBitsOnAnyRanksAndThreads) {
