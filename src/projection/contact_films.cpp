@@ -43,16 +43,21 @@ void ContactFilms::add_cell(const FreeSurface& surface, const std::array<LocalId
   const auto add = [&](std::size_t solid, std::size_t a, Real push, const Vec3& place) {
     const auto b = static_cast<Eigen::Index>(grid.axis(a));
     const Vec3 off = place - bodies.center(solid);
-    // Where a part of a face is closed, it is as high as its centroid allows.
-    const Real extent = a < 2 ? size - 2 * std::abs(place.z() - middle) : 0, unit = half_height(solid);
+    // What is closed of a face is as high as its centroid and the body allow.
+    const Real unit = half_height(solid);
+    const Real extent = a < 2 ? std::min(size - 2 * std::abs(place.z() - middle), 2 * unit) : 0;
     const Real square = (off.z() * off.z() + extent * extent / 12) / (unit * unit);
     const Vec3 along = push * Vec3::Unit(b), area = std::abs(push) * Vec3::Unit((b + 1) % 3);
     uniform_.add(3 * (solid - bodies.first()) + a,
                  TotalImpulse{along + area + push * square * Vec3::Unit((b + 2) % 3), off.cross(along)});
   };
   if (surface.is_solid(at)) {
-    if (!ends || !cuts_.floats(at)) return;
-    add(cuts_.nearest(at), 2, -h_ * h_ / size, cuts_.middle(cell[0], cell[1], cell[2]) + Vec3::UnitZ() * size / 2);
+    if (!ends) return;
+    const Vec3 top = cuts_.middle(cell[0], cell[1], cell[2]) + Vec3::UnitZ() * size / 2;
+    const std::span<const PartOfCell> parts = cuts_.parts_of_cell(at);
+    if (parts.empty() && cuts_.floats(at)) add(cuts_.nearest(at), 2, -h_ * h_ / size, top);
+    for (const PartOfCell& part : parts)
+      if (bodies.holds(part.solid)) add(part.solid, 2, -h_ * h_ / size * part.volume, top);
     return;
   }
   if (!cuts_.is_pushed(at)) return;
@@ -113,26 +118,40 @@ void ContactFilms::for_each_touched(const FreeSurface& surface, const std::array
   }
 }
 
-// Calls visit(body, what it closes, cell, number of a side, account beyond it) for the closed faces of bodies in cells
-// that touch something else.
-template <class Visit>
-void ContactFilms::for_each_beside(const FreeSurface& surface, const Visit& visit) const {
+// Whether a gap ends in a cell, and water reaches it.
+bool ContactFilms::is_at_end_of_gap(const FreeSurface& surface, std::size_t at) const {
+  const auto opens = [&](std::size_t a) {
+    return std::max(cuts_.face(a, at), cuts_.face(a, at + surface.grid().step(a)));
+  };
+  return surface.is_wet(at) && std::max(opens(0), opens(1)) > 0.5;
+}
+
+// Finds the cells beside each contact, and what each side of a body touches.
+void ContactFilms::find_touched(const FreeSurface& surface) {
   const ProjectionGrid& grid = surface.grid();
   const RigidBodies& bodies = *obstacles_.floating();
+  PerThread<std::vector<Beside>> found;
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
     const Range cut = cuts_.cut_columns(k, r);
     for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
       const std::array<LocalId, 3> cell{k, r, c};
       const std::size_t at = grid.index(k, r, c);
-      if (surface.is_solid(at) || !cuts_.is_pushed(at) || cuts_.is_gap(at)) continue;
+      if (surface.is_solid(at) || !cuts_.is_pushed(at) || (cuts_.is_gap(at) && !is_at_end_of_gap(surface, at)))
+        continue;
       cuts_.for_each_closed(cell, at, [&](std::size_t solid, std::size_t, bool, Real closed, const Vec3&) {
         if (!bodies.holds(solid) || closed < min_beside) return;
         for_each_touched(surface, cell, solid, [&](std::size_t of_side, std::size_t account) {
-          visit(solid - bodies.first(), closed, cell, of_side, account);
+          found.mine().push_back({cell, sides * (solid - bodies.first()) + of_side, account, closed});
         });
       });
     }
   });
+  beside_.clear();
+  found.for_each([&](const auto& some) { beside_.insert(beside_.end(), some.begin(), some.end()); });
+  touched_.assign(sides * bodies.count(), 0);
+  for (const Beside& one : beside_)
+    touched_[one.side] = std::max(touched_[one.side], static_cast<int>(one.account) + 1);
+  all_reduce(comm_, touched_.data(), static_cast<int>(touched_.size()), MPI_INT, MPI_MAX);
 }
 
 void ContactFilms::find(const FreeSurface& surface) {
@@ -155,25 +174,10 @@ void ContactFilms::find(const FreeSurface& surface) {
     any = true;
   }
   contacts_.clear();
+  beside_.clear();
   if (!any) return;
   find_touched(surface);
   share_out(surface, std::move(missing));
-}
-
-void ContactFilms::find_touched(const FreeSurface& surface) {
-  const std::size_t count = sides * obstacles_.floating()->count();
-  PerThread<std::vector<int>> touched;
-  touched.for_each([&](auto& of) { of.assign(count, 0); });
-  for_each_beside(surface, [&](std::size_t body, Real, const auto&, std::size_t of_side, std::size_t account) {
-    touched.mine().resize(count, 0);
-    int& found = touched.mine()[sides * body + of_side];
-    found = std::max(found, static_cast<int>(account) + 1);
-  });
-  touched_.assign(count, 0);
-  touched.for_each([&](const auto& of) {
-    for (std::size_t n = 0; n < of.size(); ++n) touched_[n] = std::max(touched_[n], of[n]);
-  });
-  all_reduce(comm_, touched_.data(), static_cast<int>(count), MPI_INT, MPI_MAX);
 }
 
 // The same push about the centre of another body.
@@ -197,7 +201,9 @@ void ContactFilms::share_out(const FreeSurface& surface, std::vector<Open> missi
       const auto b = static_cast<Eigen::Index>(surface.grid().axis(n % 3));
       const std::size_t body = n / 3, on = side(n % 3, missing[n].push.shift[b] > 0);
       const int other = touched_[sides * body + on];
-      if (missing[n].push.shift.isZero(0) || other == 0) continue;
+      // Less is the rounding of what other contacts have handed on.
+      const Real face = h_ * h_ / surface.grid().size()[static_cast<Eigen::Index>(n % 3)];
+      if (std::abs(missing[n].push.shift[b]) <= min_contact * face || other == 0) continue;
       const auto account = static_cast<std::size_t>(other - 1);
       contacts_.push_back({body, on, account, missing[n]});
       if (bodies.holds(account)) {
@@ -229,25 +235,28 @@ std::pair<Real, Real> below_zero(Real phi, Real rise, Real height) {
 }  // namespace
 
 // What the film of a contact gives to the water, by what is known of the pressure around it. Beside a body it is linear
-// in height, over as much of it as the second moment of the contact tells. Its slope is that of the cells around, which
-// counts as that of water at rest where they are at one height, within this part of half the height of the body: four
-// floats that touch one another turn by 0.42 rad/s within a second, 0.51 with the former alone.
-TotalImpulse ContactFilms::film_of(const Contact& contact, Eigen::Index b, const TotalImpulse& around) const {
-  constexpr Real trust = 0.2;
+// in height, over as much of it as the second moment of the contact tells. Its slope is fitted to the cells around.
+// They may all be at one height, so the slope of water at rest counts as further cells, which lie apart by
+// `spread_at_rest` in square. Of contacts on both sides of a body only the difference is known, which may seem to lie
+// beyond the body; they have the mean pressure.
+TotalImpulse ContactFilms::film_of(const Contact& contact, Eigen::Index b, const TotalImpulse& around,
+                                   Real g_dt2) const {
+  constexpr Real spread_at_rest = 0.2;  // of half the height of the body, squared
   const Real weight = around.shift.x();
   if (!(weight > 0)) return {};
   const TotalImpulse& push = contact.open.push;
   const auto mean = [&](Real sum) { return sum / weight; };
   const Real phi = mean(around.shift.y()), level = mean(around.shift.z());
-  if (b == 2) return {-phi * push.shift, -phi * push.moment};
-  const Real spread = mean(around.moment.x()) / h_ - level * level;
-  const Real unit = half_height(obstacles_.floating()->first() + contact.body);
-  const Real at_rest = fall_ * unit / (h_ * h_);
-  const Real rise = (mean(around.moment.y()) / h_ - level * phi + trust * at_rest) / (spread + trust);
-  const Real height = height_of(contact.open, b);
+  const TotalImpulse even{-phi * push.shift, -phi * push.moment};
+  if (b == 2) return even;
+  const Real unit = half_height(obstacles_.floating()->first() + contact.body), height = height_of(contact.open, b);
   const Real square = contact.open.square / push.shift[b] - height * height;
-  const auto [inside, tilt] =
-      below_zero(phi + rise * (height / unit - level), rise / unit, std::sqrt(12 * std::max(square, 0.0)));
+  if (std::abs(height) > unit || square < 0) return even;
+  // Falling water has no pressure, and no slope.
+  const Real at_rest = std::min(g_dt2 * unit / (h_ * h_), -10 * phi);
+  const Real spread = mean(around.moment.x()) / h_ - level * level;
+  const Real rise = (mean(around.moment.y()) / h_ - level * phi + spread_at_rest * at_rest) / (spread + spread_at_rest);
+  const auto [inside, tilt] = below_zero(phi + rise * (height / unit - level), rise / unit, std::sqrt(12 * square));
   const Vec3 turn = tilt * push.shift[b] * (b == 0 ? Vec3(0, 1, 0) : Vec3(-1, 0, 0));
   return {-inside * push.shift, -inside * push.moment - turn};
 }
@@ -261,30 +270,27 @@ const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface,
   const ProjectionGrid& grid = surface.grid();
   const RigidBodies& bodies = *obstacles_.floating();
   around_.clear();
-  fall_ = forces.fall();
-  for_each_beside(surface, [&](std::size_t body, Real closed, const std::array<LocalId, 3>& cell, std::size_t of_side,
-                               std::size_t) {
-    const std::size_t at = grid.index(cell[0], cell[1], cell[2]);
+  for_each_part(static_cast<LocalId>(beside_.size()), [&](LocalId n) {
+    const auto& [cell, of_side, account, closed] = beside_[static_cast<std::size_t>(n)];
+    const std::size_t at = grid.index(cell[0], cell[1], cell[2]), body = bodies.first() + of_side / sides;
     const Real middle = cuts_.middle(cell[0], cell[1], cell[2]).z();
     Real up = 0, height = 0.5;  // above the centre of the body; in the cell
-    if (of_side / 2 < 2) {
+    if (of_side % sides < 4) {
       if (!surface.is_wet(at)) return;
-      up = (middle - bodies.center(bodies.first() + body).z()) / half_height(bodies.first() + body);
+      up = (middle - bodies.center(body).z()) / half_height(body);
     } else {
-      const Box place = obstacles_.body(bodies.first() + body).surface_box();
-      const Real z = of_side % 2 == 1 ? place.max.z() : place.min.z();
-      height = std::clamp((z - middle) / grid.size()[2] + 0.5, 0.0, 1.0);
+      const Box place = obstacles_.body(body).surface_box();
+      height = std::clamp(((of_side % 2 == 1 ? place.max : place.min).z() - middle) / grid.size()[2] + 0.5, 0.0, 1.0);
     }
     const Real phi = forces.at_height(at, height) / (h_ * h_), weight = closed * h_;
-    around_.add(sides * body + of_side,
-                TotalImpulse{weight * Vec3(1, phi, up), weight * h_ * Vec3(up * up, up * phi, 0)});
+    around_.add(of_side, TotalImpulse{weight * Vec3(1, phi, up), weight * h_ * Vec3(up * up, up * phi, 0)});
   });
   const std::vector<TotalImpulse> all = around_.total(comm_);
   films_.assign(bodies.count(), {});
   const Real particles = grid.size().prod() / (spacing * spacing * spacing);
   for (Contact& contact : contacts_) {
     const auto b = static_cast<Eigen::Index>(grid.axis(contact.side / 2));
-    contact.film = film_of(contact, b, all[sides * contact.body + contact.side]);
+    contact.film = film_of(contact, b, all[sides * contact.body + contact.side], forces.g_dt2());
     contact.film.shift *= particles;
     contact.film.moment *= particles;
     films_[contact.body] += contact.film;

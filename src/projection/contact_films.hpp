@@ -45,13 +45,19 @@ class ContactFilms {
   };
   Real half_height(std::size_t body) const;
   static Real height_of(const Open& open, Eigen::Index b);
-  TotalImpulse film_of(const Contact& contact, Eigen::Index b, const TotalImpulse& around) const;
+  TotalImpulse film_of(const Contact& contact, Eigen::Index b, const TotalImpulse& around, Real g_dt2) const;
+  // A cell beside a contact, the number of the side among those of all bodies, the account of what is touched there,
+  // and what the body closes of a face of the cell.
+  struct Beside {
+    std::array<LocalId, 3> cell;
+    std::size_t side, account;
+    Real closed;
+  };
   void add_cell(const FreeSurface& surface, const std::array<LocalId, 3>& cell);
   template <class Visit>
   void for_each_touched(const FreeSurface& surface, const std::array<LocalId, 3>& cell, std::size_t body,
                         const Visit& visit) const;
-  template <class Visit>
-  void for_each_beside(const FreeSurface& surface, const Visit& visit) const;
+  bool is_at_end_of_gap(const FreeSurface& surface, std::size_t at) const;
   void find_touched(const FreeSurface& surface);
   void share_out(const FreeSurface& surface, std::vector<Open> missing);
   TotalImpulse about(std::size_t body, const TotalImpulse& push, std::size_t other) const;
@@ -62,6 +68,7 @@ class ContactFilms {
   Real h_;
   ImpulseLedger uniform_, around_;  // for each body and direction; for each body and side
   Real fall_ = 0;                   // g dt², m
+  std::vector<Beside> beside_;
   std::vector<Contact> contacts_;
   std::vector<int> touched_;  // for each body and side, the account of what is touched there, from 1; 0: nothing
   std::vector<TotalImpulse> films_;

@@ -41,7 +41,7 @@ std::vector<GlobalId> CutCells::sums_of_bodies(MPI_Comm comm, const ProjectionGr
     const Range cut = cut_columns(k, r);
     for (LocalId c = cut.begin; c < cut.end; ++c) {
       const std::size_t at = grid.index(k, r, c);
-      if (open(at) == 1) continue;
+      if (open(at) == 1 || (!floats(at) && parts_of_cell(at).empty())) continue;
       for_each_solid({k, r, c}, at, [&](std::size_t solid, Real volume, const Vec3& middle) {
         if (!bodies.holds(solid)) return;
         const std::size_t body = solid - bodies.first();
@@ -85,26 +85,28 @@ Vec3 CutCells::off_other_end(const std::array<LocalId, 3>& cell, std::size_t at,
 // In a gap of up to a fifth of a cell the inner cells are dry, and those around them have a part of the pressure only:
 // a wide body that rose by a hair fell back.
 void CutCells::find_gaps(const ProjectionGrid& grid) {
-  constexpr Real thin = 0.2;
+  constexpr Real thin = 0.2, min_space = 1e-4;
   PerThread<std::vector<Gap>> found;
   for_each_row(grid.rows_and_ghosts_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     const Range cut = cut_columns(k, r);
     for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
       const std::size_t at = grid.index(k, r, c);
       if (open(at) == 0 || open(at) >= thin) continue;
-      Real low = 1 - face(2, at), high = 1 - face(2, at + step_[2]);
-      const auto touches = [&](bool upper) {  // whether a body at this face touches something beyond the other one
+      const bool at_floor = grid.is_wall({2, false}, k, r, c), at_ceiling = grid.is_wall({2, true}, k, r, c);
+      const Real low = at_floor ? 1 : 1 - face(2, at), high = at_ceiling ? 1 : 1 - face(2, at + step_[2]);
+      // Not where a solid goes through the cell and leaves no space between.
+      if (std::min(low, high) < 1 - open(at) + min_space) continue;
+      // Whether a body at this face touches something beyond the other one.
+      const auto touches = [&](bool upper) {
+        const bool wall = upper ? at_floor : at_ceiling;
         const std::size_t beyond = upper ? at - 1 : at + 1;
-        const bool wall = grid.is_wall({2, !upper}, k, r, c), solid = !wall && cells_[beyond].open == 0;
-        if (wall) (upper ? low : high) = 1;
         for (const PartOfFace& part : parts_of_face(2, upper ? at + 1 : at)) {
           if (!obstacles_.floating()->holds(part.solid)) continue;
-          if (wall || (solid && nearest(beyond) != part.solid)) return true;
+          if (wall || (cells_[beyond].open == 0 && nearest(beyond) != part.solid)) return true;
         }
         return false;
       };
-      const bool above = touches(false), below = touches(true);
-      if ((above || below) && low > 0 && high > 0) found.mine().push_back({at, std::min(low, high)});
+      if (touches(false) || touches(true)) found.mine().push_back({at, std::min(low, high)});
     }
   });
   gaps_.clear();

@@ -300,6 +300,13 @@ bool CutCells::reaches_open(const Vec3& corner, const Bodies& bodies) const {
   return false;
 }
 
+// Whether a sliver may be what is open between a freely moving body that touches another solid and that.
+bool CutCells::is_hair_beside_body(const Vec3& middle, const Bodies& bodies) const {
+  if (!any_floats() || bodies.size() < 2) return false;
+  const SolidsNear solids = solids_near(middle, size_.norm() / 2, bodies);
+  return !solids.bodies.empty() && solids.bodies.size() + solids.others.size() > 1;
+}
+
 CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) const {
   Cell cell;
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
@@ -330,7 +337,9 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   Samples at;
   const Real open = open_at(corner, bodies, at, cell);
   find_shares(corner, at, candidates);
-  cell.open = open < min_open || (open < sliver && !reaches_open(corner, bodies)) ? 0 : static_cast<float>(open);
+  const bool solid =
+      open < min_open || (open < sliver && (is_hair_beside_body(middle, bodies) || !reaches_open(corner, bodies)));
+  cell.open = solid ? 0 : static_cast<float>(open);
   if (cell.open == 0) cell.solid = 1;
   cell.has_shares = cell.open > 0;
   return cell;

@@ -10,6 +10,8 @@ namespace {
 
 // Of a face or a cell: a solid that closes less of it, by rounding, closes none of it.
 constexpr Real min_share = 1e-6;
+// Distance from a face within which solids may close some of it, in cells.
+constexpr Real max_distance = 1.2;
 
 }  // namespace
 
@@ -27,6 +29,10 @@ CutCells::SolidsNear CutCells::solids_near(const Vec3& p, Real reach, const Bodi
     const Real d = distance_to(obstacles_.body(k), inside);
     if (d > reach) continue;
     if (obstacles_.floating()->holds(k)) {
+      // Not of a cell beyond its zone (zone_of()), which is not measured in each substep.
+      const Box place = obstacles_.body(k).surface_box();
+      const Vec3 margin = Vec3::Constant(max_distance * size_.maxCoeff());
+      if (!Box{place.min - margin, place.max + margin}.contains(inside)) continue;
       bodies.push_back({d, k});
     } else {
       found.others.push_back(k);
@@ -49,7 +55,7 @@ CutCells::SolidsNear CutCells::solids_near(const Vec3& p, Real reach, const Bodi
 void CutCells::find_parts_of_face(const AtFace& face, const Bodies& near, std::vector<PartOfFace>& parts) const {
   const std::size_t a = face.a, at = face.at;
   const Vec3 half = Vec3::Constant(0.5) - Vec3::Unit(static_cast<Eigen::Index>(a)) / 2, p = place(face.corner + half);
-  const SolidsNear solids = solids_near(p, 1.5 * size_.maxCoeff(), near);
+  const SolidsNear solids = solids_near(p, max_distance * size_.maxCoeff(), near);
   const Bodies &bodies = solids.bodies, &others = solids.others;
   if (bodies.empty()) return;
   const Vec3 middle = middle_of_closed(a, face.cell, at);
@@ -137,7 +143,7 @@ void CutCells::find_parts_of_cell(const Vec3& corner, std::size_t at, const Bodi
 CutCells::Cell CutCells::filled_by(const Bodies& solids, const Vec3& corner) const {
   Samples at;
   Cell alone;
-  alone.nearest = static_cast<std::uint32_t>(solids.front()) & 0x3fffffffU;
+  alone.nearest = static_cast<std::uint32_t>(obstacles_.floating()->first()) & 0x3fffffffU;  // as if they floated
   alone.open = static_cast<float>(open_at(corner, solids, at, alone));
   return alone;
 }

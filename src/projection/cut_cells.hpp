@@ -100,7 +100,7 @@ class CutCells {
   bool moves_in_water(std::size_t at) const {
     return floats(at) || (is_driven(at) && !obstacles_.body(nearest(at)).is_vessel());
   }
-  /// The centroid of what is not open of a cell, m.
+  /// The centroid of what is not open of a cell, m; corrected as for for_each_solid().
   Vec3 middle_of_solid(const std::array<LocalId, 3>& cell, std::size_t at) const {
     return middle_in(cell, cells_[at].solid_middle) - excess_[cells_[at].nearest].middle;
   }
@@ -121,7 +121,7 @@ class CutCells {
     Real phi, fall;
   };
   /// Calls use(solid, direction, whether it is the upper face, area of the part that this solid closes, centroid of
-  /// that, m) for the faces of a cell, except for what a gap is between.
+  /// that, m) for the faces of a cell. What is closed of the lower and the upper face of a gap alike is left out.
   template <class Use>
   void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
   /// Whether a cell is a thin gap below or above a freely moving body: part of its contact (ContactFilms).
@@ -254,6 +254,7 @@ class CutCells {
   bool are_clear(const Bodies& bodies) const;
   Real solid_part(const Vec3& corner, const Bodies& bodies) const;
   Real open_at(const Vec3& corner, const Bodies& bodies, Samples& at, Cell& cell) const;
+  bool is_hair_beside_body(const Vec3& middle, const Bodies& bodies) const;
   bool reaches_open(const Vec3& corner, const Bodies& bodies) const;
   // See cut_cell_capacity.cpp.
   void store_shares(std::size_t cells);

@@ -27,7 +27,8 @@ class RecordForces {
   Real on_side(std::size_t at) const;
   /// The pressure at a height in a cell, which is 0 to 1 from its lower to its upper face, m².
   Real at_height(std::size_t at, Real height) const;
-  Real fall() const { return g_dt2_; }
+  /// The growth of the pressure of water at rest downwards, m.
+  Real g_dt2() const { return g_dt2_; }
 
  private:
   Pushes shifts_of_cell(LocalId k, LocalId r, LocalId c) const;

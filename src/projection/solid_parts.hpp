@@ -61,6 +61,7 @@ class SolidParts {
     while (is_of(first) && of_faces_[first].a < a) ++first;
     std::size_t end = first;
     while (is_of(end) && of_faces_[end].a == a) ++end;
+    assert(end <= of_faces_.size());
     return std::span(of_faces_).subspan(first, end - first);
   }
   /// None if at most one solid is near the cell.
