@@ -103,7 +103,8 @@ void ContactFilms::for_each_touched(const FreeSurface& surface, const std::array
         there[a] += upper ? 1 : -1;
         if (b == a || grid.is_wall({b, above}, there[0], there[1], there[2])) continue;
         const std::size_t beside = beyond(next, b, above);
-        if (surface.is_solid(beside) && cuts_.nearest(beside) != body) touch(b, above, cuts_.nearest(beside));
+        if ((surface.is_solid(beside) || cuts_.is_gap(beside)) && cuts_.nearest(beside) != body)
+          touch(b, above, cuts_.nearest(beside));
       }
     }
   };

@@ -82,31 +82,48 @@ Vec3 CutCells::off_other_end(const std::array<LocalId, 3>& cell, std::size_t at,
   return (upper ? -1 : 1) * Vec3(off.x(), off.y(), 0);
 }
 
+// The gap in one cell, or in two cells across the face between them, if there is any; at the end of `cells` otherwise.
+CutCells::Gap CutCells::find_gap(const ProjectionGrid& grid, LocalId k, LocalId r, Range cells) const {
+  constexpr Real thin = 0.2, min_space = 1e-4;
+  const std::size_t low_at = grid.index(k, r, cells.begin), high_at = grid.index(k, r, cells.end - 1);
+  for (std::size_t at = low_at; at <= high_at; ++at)
+    if (open(at) == 0 || open(at) >= thin) return {};
+  const bool at_floor = grid.is_wall({2, false}, k, r, cells.begin);
+  const bool at_ceiling = grid.is_wall({2, true}, k, r, cells.end - 1);
+  const Real low = at_floor ? 1 : 1 - face(2, low_at), high = at_ceiling ? 1 : 1 - face(2, high_at + 1);
+  // Not where a solid goes through and leaves no space between.
+  const Real through = low_at == high_at ? 1 - open(low_at) : 1 - face(2, high_at);
+  if (std::min(low, high) < through + min_space) return {};
+  // Whether a body at this end touches something beyond the other one.
+  const auto touches = [&](bool upper) {
+    const bool wall = upper ? at_floor : at_ceiling;
+    const std::size_t beyond = upper ? low_at - 1 : high_at + 1;
+    for (const PartOfFace& part : parts_of_face(2, upper ? high_at + 1 : low_at)) {
+      if (!obstacles_.floating()->holds(part.solid)) continue;
+      if (wall || (cells_[beyond].open == 0 && nearest(beyond) != part.solid)) return true;
+    }
+    return false;
+  };
+  if (!touches(false) && !touches(true)) return {};
+  return {low_at, std::min(low, high) - (low_at == high_at ? 0 : through), {true, true}};
+}
+
 // In a gap of up to a fifth of a cell the inner cells are dry, and those around them have a part of the pressure only:
 // a wide body that rose by a hair fell back.
 void CutCells::find_gaps(const ProjectionGrid& grid) {
-  constexpr Real thin = 0.2, min_space = 1e-4;
   PerThread<std::vector<Gap>> found;
   for_each_row(grid.rows_and_ghosts_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     const Range cut = cut_columns(k, r);
     for (LocalId c = cut.begin; c < std::min(cut.end, grid.columns()); ++c) {
       const std::size_t at = grid.index(k, r, c);
-      if (open(at) == 0 || open(at) >= thin) continue;
-      const bool at_floor = grid.is_wall({2, false}, k, r, c), at_ceiling = grid.is_wall({2, true}, k, r, c);
-      const Real low = at_floor ? 1 : 1 - face(2, at), high = at_ceiling ? 1 : 1 - face(2, at + step_[2]);
-      // Not where a solid goes through the cell and leaves no space between.
-      if (std::min(low, high) < 1 - open(at) + min_space) continue;
-      // Whether a body at this face touches something beyond the other one.
-      const auto touches = [&](bool upper) {
-        const bool wall = upper ? at_floor : at_ceiling;
-        const std::size_t beyond = upper ? at - 1 : at + 1;
-        for (const PartOfFace& part : parts_of_face(2, upper ? at + 1 : at)) {
-          if (!obstacles_.floating()->holds(part.solid)) continue;
-          if (wall || (cells_[beyond].open == 0 && nearest(beyond) != part.solid)) return true;
-        }
-        return false;
-      };
-      if (touches(false) || touches(true)) found.mine().push_back({at, std::min(low, high)});
+      if (const Gap gap = find_gap(grid, k, r, {c, c + 1}); gap.between > 0) {
+        found.mine().push_back(gap);
+      } else if (const Gap above = c + 1 < grid.columns() ? find_gap(grid, k, r, {c, c + 2}) : Gap{};
+                 above.between > 0) {
+        found.mine().push_back({at, above.between, {true, false}});
+      } else if (const Gap below = c > 0 ? find_gap(grid, k, r, {c - 1, c + 1}) : Gap{}; below.between > 0) {
+        found.mine().push_back({at, below.between, {false, true}});
+      }
     }
   });
   gaps_.clear();

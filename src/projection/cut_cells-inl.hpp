@@ -34,9 +34,10 @@ void CutCells::for_each_solid(const std::array<LocalId, 3>& cell, std::size_t at
 
 template <class Use>
 void CutCells::for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
+  const Gap* const gap = gap_at(at);
   for (std::size_t a = 0; a < 3; ++a) {
-    const Real in_gap = a == 2 ? between(at) : 0;
     for (const bool upper : {false, true}) {
+      const Real in_gap = a == 2 && gap != nullptr && gap->ends[upper ? 1 : 0] ? gap->between : 0;
       const std::size_t face_at = upper ? at + step_[a] : at;
       const Real closed = 1 - face(a, face_at), beside = closed - in_gap;
       if (!(beside > 0)) continue;

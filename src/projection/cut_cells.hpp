@@ -125,7 +125,7 @@ class CutCells {
   template <class Use>
   void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
   /// Whether a cell is a thin gap below or above a freely moving body: part of its contact (ContactFilms).
-  bool is_gap(std::size_t at) const { return between(at) > 0; }
+  bool is_gap(std::size_t at) const { return gap_at(at) != nullptr; }
   /// Whether the pressure of a cell pushes a freely moving body.
   bool is_pushed(std::size_t at) const;
   /// The impulses that the pressure of a cell gives to its water at each of its faces that a solid closes, m. Their
@@ -331,11 +331,23 @@ class CutCells {
   void find_parts_of_cell(const Vec3& corner, std::size_t at, const Bodies& near, std::vector<PartOfCell>& parts) const;
   Real displacement(const PartOfFace& part) const;  // times its share
   Real area_of(std::size_t solid, std::size_t at) const;
-  // Of a cell that is a gap: the part of its lower and upper face that this is between. 0 for others.
-  Real between(std::size_t at) const {
-    const auto gap = std::lower_bound(gaps_.begin(), gaps_.end(), Gap{at, 0});
-    return gap != gaps_.end() && gap->at == at ? gap->between : 0;
+  // Of a cell that is a gap, or a half of one: the part of its lower and upper face that this is between, and whether
+  // these are its ends.
+  struct Gap {
+    std::size_t at;
+    Real between;
+    std::array<bool, 2> ends;
+    bool operator<(const Gap& other) const { return at < other.at; }
+  };
+  const Gap* gap_at(std::size_t at) const {
+    const auto gap = std::lower_bound(gaps_.begin(), gaps_.end(), Gap{at, 0, {}});
+    return gap != gaps_.end() && gap->at == at ? &*gap : nullptr;
   }
+  Real between(std::size_t at) const {
+    const Gap* const gap = gap_at(at);
+    return gap != nullptr ? gap->between : 0;
+  }
+  Gap find_gap(const ProjectionGrid& grid, LocalId k, LocalId r, Range cells) const;
   Vec3 off_other_end(const std::array<LocalId, 3>& cell, std::size_t at, bool upper) const;
   Cell filled_by(const Bodies& solids, const Vec3& corner) const;
   Real side_of_solid(const AtFace& face) const;
@@ -350,11 +362,6 @@ class CutCells {
   };
   std::vector<Excess> excess_;
   SolidParts parts_;
-  struct Gap {
-    std::size_t at;
-    Real between;
-    bool operator<(const Gap& other) const { return at < other.at; }
-  };
   std::vector<Gap> gaps_;           // cells for which is_gap() holds, in ascending order
   std::vector<Range> cut_columns_;  // of all planes and rows, including those beside them
 };

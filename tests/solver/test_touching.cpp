@@ -76,7 +76,7 @@ TEST(Touching, BodiesOnEachOtherHaveTheirOwnBuoyancy) {
   struct Pair {
     Real under, off;  // height of the lower one, and what it is off the faces of cells
     Vec3 size;
-    Real above;  // size of the other one
+    Real above, gap = 0;  // size of the other one, and how far it is off
   };
   const auto at = [](const Vec3& size, Real x, Real z) {
     return fmt::format("[[body]]\ntype = \"box\"\nsize = [{}, {}, {}]\ncenter = [{}, 0.6, {}]\ndensity = 1000\n",
@@ -84,12 +84,13 @@ TEST(Touching, BodiesOnEachOtherHaveTheirOwnBuoyancy) {
   };
   const std::string tank =
       tank_with_gravity({.max = "2, 1.2, 1.6", .water = {{"0, 0, 0", "2, 1.2, 1"}}, .spacing = "0.05"});
-  for (const auto& [under, off, size, above] :
-       {Pair{0.1, 0, {0.4, 0.4, 0.4}, 0.4}, Pair{0.1, 0.02, {0.4, 0.4, 0.4}, 0.4},
-        Pair{0.1, 0.02, {0.4, 0.4, 0.4}, 0.2}, Pair{0.2, 0, {0.2, 0.2, 0.2}, 0.4},
-        Pair{0.2, 0.02, {0.2, 0.2, 0.2}, 0.4}, Pair{0, 0, {0.4, 0.4, 0.2}, 0.4}}) {
+  for (const auto& [under, off, size, above, gap] :
+       {Pair{0.1, 0, {0.4, 0.4, 0.4}, 0.4}, Pair{0.1, 0, {0.4, 0.4, 0.4}, 0.4, 0.01},
+        Pair{0.1, 0.02, {0.4, 0.4, 0.4}, 0.4}, Pair{0.1, 0.02, {0.4, 0.4, 0.4}, 0.2},
+        Pair{0.2, 0, {0.2, 0.2, 0.2}, 0.4}, Pair{0.2, 0.02, {0.2, 0.2, 0.2}, 0.4}, Pair{0, 0, {0.4, 0.4, 0.2}, 0.4}}) {
     const Real touch = under + off + size.z();
-    BodyRun run(world, tank + at(size, 1, touch - size.z() / 2) + at(Vec3::Constant(above), 1.03, touch + above / 2));
+    BodyRun run(world,
+                tank + at(size, 1, touch - size.z() / 2) + at(Vec3::Constant(above), 1.03, touch + gap + above / 2));
     run.steps(1);
     const std::vector<BodyForce>& forces = run.forces.back();
     const std::array<Real, 2> lift{forces[0].force.z() / (9800 * size.prod()),
