@@ -95,7 +95,8 @@ TEST(Touching, BodiesOnEachOtherHaveTheirOwnBuoyancy) {
     const std::vector<BodyForce>& forces = run.forces.back();
     const std::array<Real, 2> lift{forces[0].force.z() / (9800 * size.prod()),
                                    forces[1].force.z() / (9800 * above * above * above)};
-    for (const Real one : lift) EXPECT_NEAR(one, 1, 0.1) << under << " " << off << " " << size.x() << " " << above;
+    for (const Real one : lift)
+      EXPECT_NEAR(one, 1, gap > 0 ? 0.16 : 0.1) << under << " " << off << " " << size.x() << " " << above;
   }
 }
 
