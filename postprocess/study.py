@@ -119,6 +119,16 @@ def energy_gain(columns, spacing=0.1, gravity=GRAVITY):
     return (max(energy) - energy[0]) / scale
 
 
+def write_as_found(path, rows_of, cases):
+    """A table of the rows of all cases, which are printed as they are found, two cases at a time."""
+    rows = []
+    for some in two_at_a_time(rows_of, cases):
+        rows += some
+        for row in some:
+            print(*row.values(), sep=", ", flush=True)
+    write_table(path, rows)
+
+
 def write_table(path, rows):
     path.parent.mkdir(parents=True, exist_ok=True)
     with open(path, "w", newline="", encoding="utf-8") as stream:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from study import GRAVITY, columns_of, launch, mean, parser_of, states_of, two_at_a_time, write_table
+from study import GRAVITY, columns_of, launch, mean, parser_of, states_of, write_as_found
 
 SPEED, HEIGHT, SECONDS = 0.5, 0.8, 6  # m/s; m; s
 SCENE = """
@@ -108,13 +108,8 @@ def main():
     cases = [(cover, spacing, rate, True) for cover in FLOORS for spacing, rate in ((0.1, 60), (0.05, 60), (0.05, 240))]
     cases += [("below the ceiling", 0.05, 60, False)]
     cases += [("throat", spacing, rate, True) for spacing, rate in ((0.05, 60), (0.05, 240), (0.025, 60), (0.025, 240))]
-    rows = []
     with tempfile.TemporaryDirectory() as folder:
-        for some in two_at_a_time(lambda case: rows_of(case, Path(folder), options.trevi), cases):
-            rows += some
-            for row in some:
-                print(*row.values(), sep=", ", flush=True)
-    write_table(options.output, rows)
+        write_as_found(options.output, lambda case: rows_of(case, Path(folder), options.trevi), cases)
 
 
 if __name__ == "__main__":

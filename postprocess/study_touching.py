@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from study import GRAVITY, parser_of, two_at_a_time, write_table
+from study import GRAVITY, parser_of, write_as_found
 from study_bodies import run
 
 GAPS, OFF = (0.0, 0.2, 0.5, 1, 2), (0.0, 0.4)  # spacings
@@ -96,12 +96,7 @@ def main():
     options = parser_of(__doc__, "CSV").parse_args()
     cases = [(name, spacing) for name in (*PAIRS, *PLACES) for spacing in (0.05, 0.025)]
     cases += [(f"raft of {n} by {n}", 0.05) for n in (2, 3)]
-    rows = []
-    for some in two_at_a_time(lambda case: rows_of(case, options.trevi), cases):
-        rows += some
-        for row in some:
-            print(*row.values(), sep=", ", flush=True)
-    write_table(options.output, rows)
+    write_as_found(options.output, lambda case: rows_of(case, options.trevi), cases)
 
 
 if __name__ == "__main__":

@@ -67,7 +67,6 @@ class ContactFilms {
   Obstacles& obstacles_;
   Real h_;
   ImpulseLedger uniform_, around_;  // for each body and direction; for each body and side
-  Real fall_ = 0;                   // g dt², m
   std::vector<Beside> beside_;
   std::vector<Contact> contacts_;
   std::vector<int> touched_;  // for each body and side, the account of what is touched there, from 1; 0: nothing

@@ -82,7 +82,8 @@ Vec3 CutCells::off_other_end(const std::array<LocalId, 3>& cell, std::size_t at,
   return (upper ? -1 : 1) * Vec3(off.x(), off.y(), 0);
 }
 
-// The gap in one cell, or in two cells across the face between them, if there is any; at the end of `cells` otherwise.
+// The gap in one cell, or in two of a column across the face between them, under the index of the lower one; with
+// nothing between if there is none.
 CutCells::Gap CutCells::find_gap(const ProjectionGrid& grid, LocalId k, LocalId r, Range cells) const {
   constexpr Real thin = 0.2, min_space = 1e-4;
   const std::size_t low_at = grid.index(k, r, cells.begin), high_at = grid.index(k, r, cells.end - 1);
