@@ -40,9 +40,10 @@ std::vector<Six> BodyCoupling::pressed(const Water& water) {
 void BodyCoupling::solve(Pressure& pressure, Halo& halo, const Water& water) {
   RigidBodies& bodies = *obstacles_.floating();
   const FreeSurface& surface = water.surface;
+  films_.find(surface);
+  films_.displace(surface, pressure);
   pressure.begin(halo);
   pressure.show(surface, halo);
-  films_.find(surface);
   std::vector<Six> pressure_on = pressed(water);
   for (int iteration = 0; iteration < projection::max_coupling_iterations; ++iteration) {
     if (iteration >= projection::min_coupling_iterations &&
@@ -50,6 +51,7 @@ void BodyCoupling::solve(Pressure& pressure, Halo& halo, const Water& water) {
       break;
     bodies.respond(pressure_on);
     cuts_.move_faces([&](std::size_t a, std::size_t at, Real change) { pressure.move_face(surface, a, at, change); });
+    films_.displace(surface, pressure);
     pressure.improve(halo, projection::cycles_per_answer);
     pressure.show(surface, halo);
     pressure_on = pressed(water);

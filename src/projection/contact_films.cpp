@@ -179,6 +179,56 @@ void ContactFilms::find(const FreeSurface& surface) {
   if (!any) return;
   find_touched(surface);
   share_out(surface, std::move(missing));
+  find_weights(surface);
+}
+
+// Whether the pressure of a cell tells that of the film: beside a body only that of water.
+bool ContactFilms::counts(const FreeSurface& surface, const Beside& one) const {
+  return one.side % sides >= 4 || surface.is_wet(surface.grid().index(one.cell[0], one.cell[1], one.cell[2]));
+}
+
+void ContactFilms::find_weights(const FreeSurface& surface) {
+  if (contacts_.empty()) return;
+  around_.clear();
+  for (const Beside& one : beside_)
+    if (counts(surface, one)) around_.add(one.side, TotalImpulse{one.closed * h_ * Vec3::UnitX(), Vec3::Zero()});
+  const std::vector<TotalImpulse> all = around_.total(comm_);
+  for (Contact& contact : contacts_) contact.weight = all[sides * contact.body + contact.side].shift.x() / h_;
+}
+
+// The volume, in cells, by which a contact grows in the substep, by the present twists.
+Real ContactFilms::displaced_in(const Contact& contact) const {
+  const RigidBodies& bodies = *obstacles_.floating();
+  const auto passed_by = [&](std::size_t body, const TotalImpulse& push) {
+    const RigidBody& solid = bodies.body(body);
+    return (push.shift.dot(along_of(solid.twist())) + push.moment.dot(about_of(solid.twist()))) * solid.dt();
+  };
+  const TotalImpulse& push = contact.open.push;
+  Real sum = -passed_by(contact.body, push);
+  if (bodies.holds(contact.other)) {
+    const std::size_t other = contact.other - bodies.first();
+    sum += passed_by(other, about(contact.body, push, other));
+  } else if (contact.other != obstacles_.box_account()) {
+    // The contact is where a force along its normal has this moment, at the height of the centre of the body.
+    const Vec3 place =
+        bodies.center(bodies.first() + contact.body) + push.shift.cross(push.moment) / push.shift.squaredNorm();
+    sum += push.shift.dot(obstacles_.body(contact.other).displacement_at(place));
+  }
+  return sum / (h_ * h_);
+}
+
+// Each cell gets its sums in the order of the contacts, on any number of threads and ranks.
+void ContactFilms::displace(const FreeSurface& surface, Pressure& pressure) {
+  for (Contact& contact : contacts_) {
+    const Real now = displaced_in(contact), change = now - contact.displaced;
+    contact.displaced = now;
+    if (change == 0 || !(contact.weight > 0)) continue;
+    for (const Beside& one : beside_) {
+      if (one.side != sides * contact.body + contact.side || !counts(surface, one)) continue;
+      pressure.make_room(surface, surface.grid().index(one.cell[0], one.cell[1], one.cell[2]),
+                         change * one.closed / contact.weight);
+    }
+  }
 }
 
 // The same push about the centre of another body.
@@ -275,9 +325,9 @@ const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface,
     const auto& [cell, of_side, account, closed] = beside_[static_cast<std::size_t>(n)];
     const std::size_t at = grid.index(cell[0], cell[1], cell[2]), body = bodies.first() + of_side / sides;
     const Real middle = cuts_.middle(cell[0], cell[1], cell[2]).z();
+    if (!counts(surface, beside_[static_cast<std::size_t>(n)])) return;
     Real up = 0, height = 0.5;  // above the centre of the body; in the cell
     if (of_side % sides < 4) {
-      if (!surface.is_wet(at)) return;
       up = (middle - bodies.center(body).z()) / half_height(body);
     } else {
       const Box place = obstacles_.body(body).surface_box();

@@ -7,11 +7,16 @@
 // cells around it is therefore the opposite of what it does in its contacts, along each axis by itself: they need no
 // description. Where a body touches another one, both have a part of their surface in the contact, which is that of the
 // first of them and then no longer missing at the other. Between solids at rest on both sides only the difference of
-// the contacts along that axis is known. Collective, except record().
+// the contacts along that axis is known.
+//
+// What a body displaces in a contact flows into or out of the cells around it, by the same weights by which their
+// pressure is that of the film, so that the work of the film on the body is that on the water. Collective, except
+// displace() and record().
 #pragma once
 
 #include <vector>
 
+#include "projection/pressure.hpp"
 #include "projection/record_forces.hpp"
 
 namespace trevi {
@@ -22,6 +27,8 @@ class ContactFilms {
 
   /// Finds the contacts of bodies, in cells that have been measured.
   void find(const FreeSurface& surface);
+  /// Displaces water by the present twists of the bodies, in the equation of the pressure.
+  void displace(const FreeSurface& surface, Pressure& pressure);
   /// The impulses that the films of the present pressure give to the water, as if it were in contact with all of a
   /// body, about the centres of the bodies; empty if no body touches anything. `spacing` in m.
   const std::vector<TotalImpulse>& press(const FreeSurface& surface, const RecordForces& forces, Real spacing);
@@ -42,6 +49,8 @@ class ContactFilms {
     std::size_t body, side, other;  // numbers of the body and of a side of it; account of what it touches there
     Open open;                      // of the contact, with the other sign
     TotalImpulse film{};            // what the present pressure gives there
+    Real weight = 0;                // of all cells beside it
+    Real displaced = 0;             // of the water so far, in cells
   };
   Real half_height(std::size_t body) const;
   static Real height_of(const Open& open, Eigen::Index b);
@@ -59,6 +68,9 @@ class ContactFilms {
                         const Visit& visit) const;
   bool is_at_end_of_gap(const FreeSurface& surface, std::size_t at) const;
   void find_touched(const FreeSurface& surface);
+  bool counts(const FreeSurface& surface, const Beside& one) const;
+  void find_weights(const FreeSurface& surface);
+  Real displaced_in(const Contact& contact) const;
   void share_out(const FreeSurface& surface, std::vector<Open> missing);
   TotalImpulse about(std::size_t body, const TotalImpulse& push, std::size_t other) const;
 

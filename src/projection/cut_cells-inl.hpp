@@ -14,7 +14,7 @@ void CutCells::move_faces(const Visit& visit) {
     const auto now = static_cast<float>(sum);
     const Real change = static_cast<Real>(now) - static_cast<Real>(moved);
     moved = now;
-    if (change != 0) visit(a, at, (1 - face(a, at)) * change);
+    if (change != 0) visit(a, at, change);
   }
 }
 
@@ -34,17 +34,16 @@ void CutCells::for_each_solid(const std::array<LocalId, 3>& cell, std::size_t at
 
 template <class Use>
 void CutCells::for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const {
-  const Gap* const gap = gap_at(at);
   for (std::size_t a = 0; a < 3; ++a) {
     for (const bool upper : {false, true}) {
-      const Real in_gap = a == 2 && gap != nullptr && gap->ends[upper ? 1 : 0] ? gap->between : 0;
+      const Real between = a == 2 ? in_gap(at, upper) : 0;
       const std::size_t face_at = upper ? at + step_[a] : at;
-      const Real closed = 1 - face(a, face_at), beside = closed - in_gap;
+      const Real beside = closed(a, at, upper);
       if (!(beside > 0)) continue;
       std::array<LocalId, 3> of_face = cell;
       of_face[a] += upper ? 1 : 0;
       Vec3 off = Vec3::Zero();  // of the centroid of what is beside the gap
-      if (in_gap > 0) off = in_gap / beside * off_other_end(cell, at, upper);
+      if (between > 0) off = between / beside * off_other_end(cell, at, upper);
       const std::span<const PartOfFace> parts = parts_of_face(a, face_at);
       for (const PartOfFace& part : parts) use(part.solid, a, upper, part.share * beside, part.middle + off);
       if (!parts.empty() || floats(at)) continue;

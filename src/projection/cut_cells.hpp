@@ -66,8 +66,7 @@ class CutCells {
   /// Displacement of the solid through the closed part of face (a, at) in the substep, m.
   Real moved(std::size_t a, std::size_t at) const { return moved_.empty() ? 0 : moved_[at][a]; }
   /// To be called when the twists of bodies have changed since the cells were measured: calls visit(a, at, change of
-  /// the displacement of the solid times the closed part) for all faces that a body closes in part, in the order of
-  /// cells.
+  /// the displacement of the solid) for all faces that a body closes in part, in the order of cells.
   template <class Visit>
   void move_faces(const Visit& visit);
   /// Whether a solid closes any part of the cells of a row or of their faces.
@@ -126,6 +125,16 @@ class CutCells {
   void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
   /// Whether a cell is a thin gap below or above a freely moving body: part of its contact (ContactFilms).
   bool is_gap(std::size_t at) const { return gap_at(at) != nullptr; }
+  /// The part of its lower or upper face that the gap is between.
+  Real in_gap(std::size_t at, bool upper) const {
+    const Gap* const gap = gap_at(at);
+    return gap != nullptr && gap->ends[upper ? 1 : 0] ? gap->between : 0;
+  }
+  /// The closed part of the lower or upper face of a cell along direction a, less that which a gap is between. The
+  /// pressure of the cell acts on it, and its motion changes the room for the water of the cell.
+  Real closed(std::size_t a, std::size_t at, bool upper) const {
+    return 1 - face(a, upper ? at + step_[a] : at) - (a == 2 ? in_gap(at, upper) : 0);
+  }
   /// Whether the pressure of a cell pushes a freely moving body.
   bool is_pushed(std::size_t at) const;
   /// The impulses that the pressure of a cell gives to its water at each of its faces that a solid closes, m. Their

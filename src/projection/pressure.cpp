@@ -30,12 +30,11 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
 void Pressure::begin(Halo& halo) { multigrid_.solve(halo, enclosed_->any() ? closed_cycles : cycles); }
 
 void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change) {
-  const Real source = change / surface.grid().size()[static_cast<Eigen::Index>(a)];
+  const Real size = surface.grid().size()[static_cast<Eigen::Index>(a)];
   const std::size_t step = surface.grid().step(a);
   if (at < step) return;  // the face is in the lowest ghost plane
-  const std::size_t below = at - step;
-  if (surface.is_wet(at)) multigrid_.finest().rhs[at] -= source;
-  if (surface.is_wet(below)) multigrid_.finest().rhs[below] += source;
+  make_room(surface, at, -surface.cuts()->closed(a, at, false) * change / size);
+  make_room(surface, at - step, surface.cuts()->closed(a, at - step, true) * change / size);
 }
 
 void Pressure::show(const FreeSurface& surface, Halo& halo) {
@@ -231,7 +230,7 @@ Real Pressure::divergence(const FreeSurface& surface, std::size_t at, bool moved
     sum += (high * surface.water().displacement(a, above) - low * surface.water().displacement(a, at)) /
            grid.size()[static_cast<Eigen::Index>(a)];
     if (moved) {
-      sum += ((1 - cuts->face(a, above)) * cuts->moved(a, above) - (1 - cuts->face(a, at)) * cuts->moved(a, at)) /
+      sum += (cuts->closed(a, at, true) * cuts->moved(a, above) - cuts->closed(a, at, false) * cuts->moved(a, at)) /
              grid.size()[static_cast<Eigen::Index>(a)];
     }
   }

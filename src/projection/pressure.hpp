@@ -48,9 +48,13 @@ class Pressure {
   void finish(const FreeSurface& surface, Halo& halo);
   /// Gives back the memory of the pressure.
   void give_back() { multigrid_.give_back(); }
-  /// Between cycles: the displacement of the solid through the closed part of face (a, at) grows by `change`, in terms
-  /// of the whole face, m.
+  /// Before begin() or between cycles: the displacement of the solid through the closed part of face (a, at) grows by
+  /// `change`, m.
   void move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change);
+  /// The same: the room for the water of a cell grows by `change`, as a share of the cell.
+  void make_room(const FreeSurface& surface, std::size_t at, Real change) {
+    if (surface.is_wet(at)) multigrid_.finest().rhs[at] += change;
+  }
 
   /// Displacement through face (a, at) between two cells at least one of which is wet, m.
   Real displacement(const FreeSurface& surface, std::size_t a, std::size_t at) const {
