@@ -142,7 +142,8 @@ void ContactFilms::find_touched(const FreeSurface& surface) {
       cuts_.for_each_closed(cell, at, [&](std::size_t solid, std::size_t, bool, Real closed, const Vec3&) {
         if (!bodies.holds(solid) || closed < min_beside) return;
         for_each_touched(surface, cell, solid, [&](std::size_t of_side, std::size_t account) {
-          found.mine().push_back({cell, sides * (solid - bodies.first()) + of_side, account, closed});
+          found.mine().push_back(
+              {cell, sides * (solid - bodies.first()) + of_side, account, closed * surface.open(at)});
         });
       });
     }
@@ -191,7 +192,7 @@ void ContactFilms::find_weights(const FreeSurface& surface) {
   if (contacts_.empty()) return;
   around_.clear();
   for (const Beside& one : beside_)
-    if (counts(surface, one)) around_.add(one.side, TotalImpulse{one.closed * h_ * Vec3::UnitX(), Vec3::Zero()});
+    if (counts(surface, one)) around_.add(one.side, TotalImpulse{one.weight * h_ * Vec3::UnitX(), Vec3::Zero()});
   const std::vector<TotalImpulse> all = around_.total(comm_);
   for (Contact& contact : contacts_) contact.weight = all[sides * contact.body + contact.side].shift.x() / h_;
 }
@@ -226,7 +227,7 @@ void ContactFilms::displace(const FreeSurface& surface, Pressure& pressure) {
     for (const Beside& one : beside_) {
       if (one.side != sides * contact.body + contact.side || !counts(surface, one)) continue;
       pressure.make_room(surface, surface.grid().index(one.cell[0], one.cell[1], one.cell[2]),
-                         change * one.closed / contact.weight);
+                         change * one.weight / contact.weight);
     }
   }
 }
@@ -312,8 +313,8 @@ TotalImpulse ContactFilms::film_of(const Contact& contact, Eigen::Index b, const
   return {-inside * push.shift, -inside * push.moment - turn};
 }
 
-// The pressure around a contact is that of the cells beside both the body and what it touches, weighted by what the
-// body closes; below and above a body it is that at its lowest or highest point.
+// The pressure around a contact is that of the cells beside both the body and what it touches, by their weights; below
+// and above a body it is that at its lowest or highest point.
 const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface, const RecordForces& forces,
                                                      Real spacing) {
   films_.clear();
@@ -322,7 +323,7 @@ const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface,
   const RigidBodies& bodies = *obstacles_.floating();
   around_.clear();
   for_each_part(static_cast<LocalId>(beside_.size()), [&](LocalId n) {
-    const auto& [cell, of_side, account, closed] = beside_[static_cast<std::size_t>(n)];
+    const auto& [cell, of_side, account, part] = beside_[static_cast<std::size_t>(n)];
     const std::size_t at = grid.index(cell[0], cell[1], cell[2]), body = bodies.first() + of_side / sides;
     const Real middle = cuts_.middle(cell[0], cell[1], cell[2]).z();
     if (!counts(surface, beside_[static_cast<std::size_t>(n)])) return;
@@ -331,9 +332,9 @@ const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface,
       up = (middle - bodies.center(body).z()) / half_height(body);
     } else {
       const Box place = obstacles_.body(body).surface_box();
-      height = std::clamp(((of_side % 2 == 1 ? place.max : place.min).z() - middle) / grid.size()[2] + 0.5, 0.0, 1.0);
+      height = ((of_side % 2 == 1 ? place.max : place.min).z() - middle) / grid.size()[2] + 0.5;
     }
-    const Real phi = forces.at_height(at, height) / (h_ * h_), weight = closed * h_;
+    const Real phi = forces.at_height(at, height) / (h_ * h_), weight = part * h_;
     around_.add(of_side, TotalImpulse{weight * Vec3(1, phi, up), weight * h_ * Vec3(up * up, up * phi, 0)});
   });
   const std::vector<TotalImpulse> all = around_.total(comm_);

@@ -56,11 +56,12 @@ class ContactFilms {
   static Real height_of(const Open& open, Eigen::Index b);
   TotalImpulse film_of(const Contact& contact, Eigen::Index b, const TotalImpulse& around, Real g_dt2) const;
   // A cell beside a contact, the number of the side among those of all bodies, the account of what is touched there,
-  // and what the body closes of a face of the cell.
+  // and the weight of the cell: what the body closes of one of its faces times the open part of the cell. Slivers
+  // beside a body would otherwise count as much as the water next to them.
   struct Beside {
     std::array<LocalId, 3> cell;
     std::size_t side, account;
-    Real closed;
+    Real weight;
   };
   void add_cell(const FreeSurface& surface, const std::array<LocalId, 3>& cell);
   template <class Visit>

@@ -242,8 +242,8 @@ std::vector<EnclosedWater::Flow> EnclosedWater::sums_over_pieces(MPI_Comm comm, 
   return found;
 }
 
-void EnclosedWater::set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi) const {
-  if (all_) return set_common_origin(surface, halo.comm(), phi);
+void EnclosedWater::set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi, Real largest) const {
+  if (all_) return set_common_origin(surface, halo.comm(), phi, largest);
   std::vector<Real> most(parts_.size(), -INFINITY), of_shared(shared_pieces_ + 1, -INFINITY);
   for (std::size_t i = 0; i < cells_.size(); ++i) most[part_of_[i]] = std::max(most[part_of_[i]], phi[cells_[i]]);
   for (std::size_t k = 0; k < parts_.size(); ++k) of_shared[shared_[k]] = std::max(of_shared[shared_[k]], most[k]);
@@ -251,27 +251,27 @@ void EnclosedWater::set_origins(const FreeSurface& surface, Halo& halo, Borrowed
     all_reduce(halo.comm(), of_shared.data(), static_cast<int>(of_shared.size()), MPI_DOUBLE, MPI_MAX);
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const std::size_t part = part_of_[i];
-    phi[cells_[i]] -= shared_[part] > 0 ? of_shared[shared_[part]] : most[part];
+    phi[cells_[i]] -= (shared_[part] > 0 ? of_shared[shared_[part]] : most[part]) - largest;
   }
   surface.grid().exchange(halo, phi);
 }
 
-void EnclosedWater::set_common_origin(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& phi) {
+void EnclosedWater::set_common_origin(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& phi, Real largest) {
   const ProjectionGrid& grid = surface.grid();
-  PerThread<Real> largest;
-  largest.for_each([](Real& most) { most = -INFINITY; });
+  PerThread<Real> found;
+  found.for_each([](Real& most) { most = -INFINITY; });
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) {
     for (LocalId c = 0; c < grid.columns(k, r); ++c) {
       const std::size_t at = grid.index(k, r, c);
-      if (surface.is_wet(at)) largest.mine() = std::max(largest.mine(), phi[at]);
+      if (surface.is_wet(at)) found.mine() = std::max(found.mine(), phi[at]);
     }
   });
   Real most = -INFINITY;
-  largest.for_each([&](Real one) { most = std::max(most, one); });
+  found.for_each([&](Real one) { most = std::max(most, one); });
   all_reduce(comm, &most, 1, MPI_DOUBLE, MPI_MAX);
   if (!std::isfinite(most)) return;
   for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
-    for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[grid.index(k, r, c)] -= most;
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[grid.index(k, r, c)] -= most - largest;
   });
 }
 

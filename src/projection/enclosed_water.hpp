@@ -39,8 +39,8 @@ class EnclosedWater {
   };
   /// For each of these flows, the sums of the flows of all ranks in the same piece.
   std::vector<Flow> sums_over_pieces(MPI_Comm comm, const std::vector<Flow>& flows) const;
-  /// Shifts phi of each piece so that its largest value is 0, also in ghost cells.
-  void set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi) const;
+  /// Shifts phi of each piece so that its largest value, m², is this, also in ghost cells.
+  void set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi, Real largest) const;
   void give_back() { marks_.give_back(); }
 
  private:
@@ -63,7 +63,7 @@ class EnclosedWater {
   std::vector<Edge> edges_between(const FreeSurface& surface, const Borrowed<GlobalId>& names);
   void join_parts(MPI_Comm comm, const std::vector<Edge>& edges);
   void keep_enclosed(const FreeSurface& surface, Halo& halo);
-  static void set_common_origin(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& phi);
+  static void set_common_origin(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& phi, Real largest);
 
   bool all_ = false;                  // whether none of the water has a surface, without obstacles
   std::vector<std::size_t> cells_;    // that may hold it; from keep_enclosed() on, that hold it

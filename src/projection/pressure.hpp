@@ -18,7 +18,8 @@
 // The equation is solved by V-cycles of a multigrid (multigrid.hpp) that start from the hydrostatic pressure of each
 // column, which is the exact solution for water at rest. Their number is fixed and there are no dot products, hence the
 // same bits on any rank count. Where water separates, phi would pull it together, so it is limited to values ≤ 0. In
-// water without a surface phi has no origin, and its largest value is set to 0 (enclosed_water.hpp). Collective.
+// water without a surface phi has no origin; it is set to 0 at the upper face of the cell where it is largest
+// (enclosed_water.hpp). Collective.
 #pragma once
 
 #include "multigrid/multigrid.hpp"
@@ -94,6 +95,7 @@ class Pressure {
   void set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r);
 
   const EnclosedWater* enclosed_ = nullptr;  // that of the surface, since assemble()
+  Real in_highest_ = 0;  // phi in the highest cell of water without a surface, m²: the pressure is 0 at its upper face
   std::vector<Inflow> inflow_;
   std::vector<EnclosedWater::Flow> through_walls_;  // into water without a surface
   // Its links first hold the weight of each face: the open fraction of its area, divided by the mass of the water there
