@@ -15,6 +15,9 @@ constexpr Real min_open = 2e-4;
 // by more than `min_reach`, cells. Beside an edge of a solid whose faces coincide with those of cells, the slopes of
 // the samples leave 1e-3 of a solid cell open.
 constexpr Real sliver = 3e-3, min_reach = 1e-6;
+// The same of what is left between a freely moving body that touches another solid and that: a few such cells, open to
+// each other and to no others, had no pressure that would let water out of them as the body moved.
+constexpr Real hair = 0.02;
 // Square of the slope of the distance below which an edge is near.
 constexpr Real flat = 0.9;
 // Of a distance of one sample, which is that of places behind which solids touch (depth_below()).
@@ -68,13 +71,13 @@ void CutCells::find_slopes(std::span<const Real> distance, std::span<Real> slope
 // hundredths open led out of cavities.
 Real CutCells::depth_below(const Vec3& p, const Nearest& nearest, Real width, const Bodies& bodies,
                            int surfaces) const {
-  constexpr Real hair = 1e-3;  // of a sample
+  constexpr Real just_outside = 1e-3;  // of a sample
   const Real depth = -nearest.distance;
   if (depth >= width || surfaces == 0) return depth;
   const Body& body = obstacles_.body(nearest.body);
   const Vec3 outwards = body.midway().turn * body.shape().normal(body.midway().into_body(p));
   const Vec3 surface = p + depth * outwards, next = in_box(surface + width * outwards);
-  if (nearest_at(surface + hair * width * outwards, bodies).distance >= 0) return depth;
+  if (nearest_at(surface + just_outside * width * outwards, bodies).distance >= 0) return depth;
   const Nearest there = nearest_at(next, bodies);
   return there.distance >= 0 ? depth : std::max(depth, depth_below(next, there, width, bodies, surfaces - 1));
 }
@@ -337,8 +340,8 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   Samples at;
   const Real open = open_at(corner, bodies, at, cell);
   find_shares(corner, at, candidates);
-  const bool solid =
-      open < min_open || (open < sliver && (is_hair_beside_body(middle, bodies) || !reaches_open(corner, bodies)));
+  const bool solid = open < min_open || (open < sliver && !reaches_open(corner, bodies)) ||
+                     (open < hair && is_hair_beside_body(middle, bodies));
   cell.open = solid ? 0 : static_cast<float>(open);
   if (cell.open == 0) cell.solid = 1;
   cell.has_shares = cell.open > 0;
