@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <tuple>
 #include <utility>
 
-#include "parallel/waiting.hpp"
+#include "parallel/reductions.hpp"
 
 namespace trevi {
 
@@ -127,8 +128,8 @@ bool ContactFilms::is_at_end_of_gap(const FreeSurface& surface, std::size_t at) 
   return surface.is_wet(at) && std::max(opens(0), opens(1)) > 0.5;
 }
 
-// Finds the cells beside each contact, and what each side of a body touches.
-void ContactFilms::find_touched(const FreeSurface& surface) {
+// Finds the cells beside each contact.
+void ContactFilms::find_beside(const FreeSurface& surface) {
   const ProjectionGrid& grid = surface.grid();
   const RigidBodies& bodies = *obstacles_.floating();
   PerThread<std::vector<Beside>> found;
@@ -150,10 +151,47 @@ void ContactFilms::find_touched(const FreeSurface& surface) {
   });
   beside_.clear();
   found.for_each([&](const auto& some) { beside_.insert(beside_.end(), some.begin(), some.end()); });
-  touched_.assign(sides * bodies.count(), 0);
-  for (const Beside& one : beside_)
-    touched_[one.side] = std::max(touched_[one.side], static_cast<int>(one.account) + 1);
-  all_reduce(comm_, touched_.data(), static_cast<int>(touched_.size()), MPI_INT, MPI_MAX);
+}
+
+// Sums are integers, so they do not depend on the order.
+void ContactFilms::find_touches(const FreeSurface& surface) {
+  const RigidBodies& bodies = *obstacles_.floating();
+  const auto in_order = [](const Touch& one, const Touch& other) {
+    return std::pair(one.side, one.account) < std::pair(other.side, other.account);
+  };
+  // Adds up those of the same side and account.
+  const auto joined = [&](std::vector<Touch> all) {
+    std::sort(all.begin(), all.end(), in_order);
+    std::vector<Touch> sums;
+    for (const Touch& one : all) {
+      if (sums.empty() || in_order(sums.back(), one)) sums.push_back({one.side, one.account, 0, 0, {}});
+      Touch& sum = sums.back();
+      sum.weight += one.weight;
+      sum.counted += one.counted;
+      for (std::size_t i = 0; i < 2; ++i) sum.moment[i] += one.moment[i];
+    }
+    return sums;
+  };
+  std::vector<Touch> own;
+  for (const Beside& one : beside_) {
+    const auto fine = [](Real number) { return static_cast<std::int64_t>(std::llrint(std::ldexp(number, 30))); };
+    const Vec3 arm =
+        cuts_.middle(one.cell[0], one.cell[1], one.cell[2]) - bodies.center(bodies.first() + one.side / sides);
+    own.push_back({one.side,
+                   one.account,
+                   fine(one.weight),
+                   counts(surface, one) ? fine(one.weight) : 0,
+                   {fine(one.weight * arm.x() / h_), fine(one.weight * arm.y() / h_)}});
+  }
+  touches_ = joined(gather_over_ranks(comm_, joined(std::move(own))));
+}
+
+std::span<const ContactFilms::Touch> ContactFilms::touches_of(std::size_t side) const {
+  const auto begin = std::lower_bound(touches_.begin(), touches_.end(), side,
+                                      [](const Touch& one, std::size_t of) { return one.side < of; });
+  auto end = begin;
+  while (end != touches_.end() && end->side == side) ++end;
+  return {begin, end};
 }
 
 void ContactFilms::find(const FreeSurface& surface) {
@@ -178,23 +216,14 @@ void ContactFilms::find(const FreeSurface& surface) {
   contacts_.clear();
   beside_.clear();
   if (!any) return;
-  find_touched(surface);
+  find_beside(surface);
+  find_touches(surface);
   share_out(surface, std::move(missing));
-  find_weights(surface);
 }
 
 // Whether the pressure of a cell tells that of the film: beside a body only that of water.
 bool ContactFilms::counts(const FreeSurface& surface, const Beside& one) const {
   return one.side % sides >= 4 || surface.is_wet(surface.grid().index(one.cell[0], one.cell[1], one.cell[2]));
-}
-
-void ContactFilms::find_weights(const FreeSurface& surface) {
-  if (contacts_.empty()) return;
-  around_.clear();
-  for (const Beside& one : beside_)
-    if (counts(surface, one)) around_.add(one.side, TotalImpulse{one.weight * h_ * Vec3::UnitX(), Vec3::Zero()});
-  const std::vector<TotalImpulse> all = around_.total(comm_);
-  for (Contact& contact : contacts_) contact.weight = all[sides * contact.body + contact.side].shift.x() / h_;
 }
 
 // The volume, in cells, by which a contact grows in the substep, by the present twists.
@@ -223,7 +252,7 @@ void ContactFilms::displace(const FreeSurface& surface, Pressure& pressure) {
   for (Contact& contact : contacts_) {
     const Real now = displaced_in(contact), change = now - contact.displaced;
     contact.displaced = now;
-    if (change == 0 || !(contact.weight > 0)) continue;
+    if (change == 0 || contact.side < 4 || !(contact.weight > 0)) continue;
     for (const Beside& one : beside_) {
       if (one.side != sides * contact.body + contact.side || !counts(surface, one)) continue;
       pressure.make_room(surface, surface.grid().index(one.cell[0], one.cell[1], one.cell[2]),
@@ -244,6 +273,50 @@ Real ContactFilms::height_of(const Open& open, Eigen::Index b) {
   return (b == 0 ? open.push.moment.y() : -open.push.moment.x()) / open.push.shift[b];
 }
 
+// The contacts of a side, none if it touches nothing. Beneath or above a body each of the solids that it touches has a
+// share by weight, about the place of its weight; all these places are moved alike, so that the moment is kept. Beside
+// a body the solid of the largest weight has it all.
+std::vector<ContactFilms::Contact> ContactFilms::split(std::size_t body, std::size_t on, const Open& open) const {
+  constexpr Real min_share = 0.02;
+  const std::span<const Touch> all = touches_of(sides * body + on);
+  if (all.empty()) return {};
+  Contact whole{body, on, 0, open};
+  std::int64_t weight = 0;
+  for (const Touch& one : all) whole.weight += std::ldexp(static_cast<Real>(one.counted), -30);
+  if (on < 4 || all.size() == 1) {
+    whole.other = std::max_element(all.begin(), all.end(), [](const Touch& one, const Touch& other) {
+                    return one.weight < other.weight;
+                  })->account;
+    return {whole};
+  }
+  std::vector<Touch> some;
+  for (const Touch& one : all) weight += one.weight;
+  if (weight == 0) return {};
+  for (const Touch& one : all)
+    if (static_cast<Real>(one.weight) >= min_share * static_cast<Real>(weight)) some.push_back(one);
+  weight = 0;
+  std::array<std::int64_t, 2> moment{};
+  for (const Touch& one : some) {
+    weight += one.weight;
+    for (std::size_t i = 0; i < 2; ++i) moment[i] += one.moment[i];
+  }
+  const auto place_of = [&](const std::array<std::int64_t, 2>& of, std::int64_t by) {
+    return Vec3(h_ * static_cast<Real>(of[0]) / static_cast<Real>(by),
+                h_ * static_cast<Real>(of[1]) / static_cast<Real>(by), 0);
+  };
+  const Vec3& push = open.push.shift;
+  const Vec3 off = push.cross(open.push.moment) / push.squaredNorm() - place_of(moment, weight);
+  std::vector<Contact> contacts;
+  for (const Touch& one : some) {
+    Contact part = whole;
+    part.other = one.account;
+    part.open.push.shift = push * (static_cast<Real>(one.weight) / static_cast<Real>(weight));
+    part.open.push.moment = (place_of(one.moment, one.weight) + off).cross(part.open.push.shift);
+    contacts.push_back(part);
+  }
+  return contacts;
+}
+
 // A body that rests on another one hands the surface of that contact on to it, and so forth down to what stands still.
 // `missing`: for each body and direction, what is missing to a closed surface.
 void ContactFilms::share_out(const FreeSurface& surface, std::vector<Open> missing) {
@@ -252,21 +325,22 @@ void ContactFilms::share_out(const FreeSurface& surface, std::vector<Open> missi
     for (std::size_t n = 0; n < missing.size(); ++n) {
       const auto b = static_cast<Eigen::Index>(surface.grid().axis(n % 3));
       const std::size_t body = n / 3, on = side(n % 3, missing[n].push.shift[b] > 0);
-      const int other = touched_[sides * body + on];
       // Less is the rounding of what other contacts have handed on.
       const Real face = h_ * h_ / surface.grid().size()[static_cast<Eigen::Index>(n % 3)];
-      if (std::abs(missing[n].push.shift[b]) <= min_contact * face || other == 0) continue;
-      const auto account = static_cast<std::size_t>(other - 1);
-      contacts_.push_back({body, on, account, missing[n]});
-      if (bodies.holds(account)) {
-        const std::size_t next = account - bodies.first();
-        Open& rest = missing[3 * next + n % 3];
-        const Real up = bodies.center(bodies.first() + body).z() - bodies.center(account).z();
-        if (n % 3 < 2)
-          rest.square += missing[n].square + missing[n].push.shift[b] * up * (2 * height_of(missing[n], b) + up);
-        rest.push += about(body, missing[n].push, next);
-      }
+      if (std::abs(missing[n].push.shift[b]) <= min_contact * face) continue;
+      const std::vector<Contact> contacts = split(body, on, missing[n]);
+      if (contacts.empty()) continue;
       missing[n] = {};
+      for (const Contact& contact : contacts) {
+        contacts_.push_back(contact);
+        if (!bodies.holds(contact.other)) continue;
+        const std::size_t next = contact.other - bodies.first();
+        const Open& open = contact.open;
+        Open& rest = missing[3 * next + n % 3];
+        const Real up = bodies.center(bodies.first() + body).z() - bodies.center(contact.other).z();
+        if (n % 3 < 2) rest.square += open.square + open.push.shift[b] * up * (2 * height_of(open, b) + up);
+        rest.push += about(body, open.push, next);
+      }
     }
   }
 }

@@ -14,6 +14,9 @@
 // displace() and record().
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "projection/pressure.hpp"
@@ -49,7 +52,7 @@ class ContactFilms {
     std::size_t body, side, other;  // numbers of the body and of a side of it; account of what it touches there
     Open open;                      // of the contact, with the other sign
     TotalImpulse film{};            // what the present pressure gives there
-    Real weight = 0;                // of all cells beside it
+    Real weight = 0;                // of the cells beside this side of the body that count
     Real displaced = 0;             // of the water so far, in cells
   };
   Real half_height(std::size_t body) const;
@@ -68,9 +71,18 @@ class ContactFilms {
   void for_each_touched(const FreeSurface& surface, const std::array<LocalId, 3>& cell, std::size_t body,
                         const Visit& visit) const;
   bool is_at_end_of_gap(const FreeSurface& surface, std::size_t at) const;
-  void find_touched(const FreeSurface& surface);
+  // What touches a side, on all ranks: the weights of the cells beside the contact in multiples of 2⁻³⁰, of all of them
+  // and of those that count; and their horizontal moment about the centre of the body, in h.
+  struct Touch {
+    std::size_t side, account;
+    std::int64_t weight, counted;
+    std::array<std::int64_t, 2> moment;
+  };
+  void find_beside(const FreeSurface& surface);
+  void find_touches(const FreeSurface& surface);
+  std::span<const Touch> touches_of(std::size_t side) const;
   bool counts(const FreeSurface& surface, const Beside& one) const;
-  void find_weights(const FreeSurface& surface);
+  std::vector<Contact> split(std::size_t body, std::size_t side, const Open& open) const;
   Real displaced_in(const Contact& contact) const;
   void share_out(const FreeSurface& surface, std::vector<Open> missing);
   TotalImpulse about(std::size_t body, const TotalImpulse& push, std::size_t other) const;
@@ -82,7 +94,7 @@ class ContactFilms {
   ImpulseLedger uniform_, around_;  // for each body and direction; for each body and side
   std::vector<Beside> beside_;
   std::vector<Contact> contacts_;
-  std::vector<int> touched_;  // for each body and side, the account of what is touched there, from 1; 0: nothing
+  std::vector<Touch> touches_;  // by side and account
   std::vector<TotalImpulse> films_;
 };
 
