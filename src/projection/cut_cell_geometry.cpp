@@ -17,7 +17,7 @@ constexpr Real min_open = 2e-4;
 constexpr Real sliver = 3e-3, min_reach = 1e-6;
 // The same of what is left between a freely moving body that touches another solid and that: a few such cells, open to
 // each other and to no others, had no pressure that would let water out of them as the body moved.
-constexpr Real hair = 0.02;
+constexpr Real hair = 0.01;
 // Square of the slope of the distance below which an edge is near.
 constexpr Real flat = 0.9;
 // Of a distance of one sample, which is that of places behind which solids touch (depth_below()).
