@@ -314,7 +314,7 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   Cell cell;
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
-  cell.nearest = static_cast<std::uint32_t>(far.body) & 0x3fffffffU;
+  find_nearest(middle, far, candidates.of_row, cell);
   // If the distance is larger, no face is nearer than this less half a cell, which is the distance to which
   // is_passage() looks, or that of the surface where all solids are thick.
   candidates.near = std::abs(far.distance) <= (candidates.clear ? 1.26 : 2) * size_.maxCoeff();

@@ -30,9 +30,7 @@ CutCells::SolidsNear CutCells::solids_near(const Vec3& p, Real reach, const Bodi
     if (d > reach) continue;
     if (obstacles_.floating()->holds(k)) {
       // Not of a cell beyond its zone (zone_of()), which is not measured in each substep.
-      const Box place = obstacles_.body(k).surface_box();
-      const Vec3 margin = Vec3::Constant(max_distance * size_.maxCoeff());
-      if (!Box{place.min - margin, place.max + margin}.contains(inside)) continue;
+      if (!is_about(obstacles_.body(k), inside, max_distance)) continue;
       bodies.push_back({d, k});
     } else {
       found.others.push_back(k);
@@ -143,7 +141,7 @@ void CutCells::find_parts_of_cell(const Vec3& corner, std::size_t at, const Bodi
 CutCells::Cell CutCells::filled_by(const Bodies& solids, const Vec3& corner) const {
   Samples at;
   Cell alone;
-  alone.nearest = static_cast<std::uint32_t>(obstacles_.floating()->first()) & 0x3fffffffU;  // as if they floated
+  alone.nearest = static_cast<std::uint32_t>(obstacles_.floating()->first()) & 0x1fffffffU;  // as if they floated
   alone.open = static_cast<float>(open_at(corner, solids, at, alone));
   return alone;
 }

@@ -88,11 +88,15 @@ class CutCells {
   }
   /// The obstacle nearest to a cell that is cut.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
-  /// Whether the nearest obstacle is a freely moving body.
-  bool floats(std::size_t at) const { return any_floats() && obstacles_.floating()->holds(nearest(at)); }
+  /// Whether the nearest obstacle is a freely moving body, no further away than `beside`.
+  bool floats(std::size_t at) const {
+    return any_floats() && cells_[at].is_beside && obstacles_.floating()->holds(nearest(at));
+  }
   bool any_floats() const { return obstacles_.floating() != nullptr; }
   /// Whether it has a prescribed motion.
-  bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
+  bool is_driven(std::size_t at) const {
+    return moves() && cells_[at].is_beside && obstacles_.body(nearest(at)).moves() && !floats(at);
+  }
   /// Whether an obstacle that does not move fills the cell.
   bool is_filled_at_rest(std::size_t at) const { return open(at) == 0 && !floats(at) && !is_driven(at); }
   /// Whether it moves in the water, freely or as prescribed, and is not a vessel that holds the water.
@@ -166,7 +170,8 @@ class CutCells {
     float capacity = 1;
     std::array<float, 2> aside{};
     std::uint32_t parts = 0;  // number of the first part of its lower faces in `parts_`, from 1; 0: none
-    std::uint32_t nearest : 30 = 0;
+    std::uint32_t nearest : 29 = 0;
+    bool is_beside : 1 = false;   // whether the nearest solid is no further away than `beside`
     bool has_shares : 1 = false;  // whether it has its own shares in `shares_`, because a solid is near
     bool cut : 1 = false;         // whether a part of it or of its lower faces is closed
   };
@@ -221,10 +226,15 @@ class CutCells {
   Vec3 in_box(const Vec3& p) const { return {in_box(0, p.x()), in_box(1, p.y()), in_box(2, p.z())}; }
   Real distance_to(const Body& body, const Vec3& p) const { return body.rough_distance(body.midway().into_body(p)); }
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
+  void find_nearest(const Vec3& middle, const Nearest& far, const Bodies& bodies, Cell& cell) const;
+  bool is_about(const Body& body, const Vec3& p, Real margin) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
   // Distance from the centre of a cell within which solids are searched, in cells: a cell beyond one of its
   // faces, 1.66.
   static constexpr Real looked_at = 1.7;
+  // Distance from a solid, in cells, up to which a cell is beside it. Cells within this distance of a moving one are
+  // measured in each substep; of others it is not known where it is.
+  static constexpr Real beside = 1.25;
   static constexpr std::array<Real, samples> sample_at{0.125, 0.375, 0.625, 0.875};  // in cells
   // Signed distances at the samples of a square and of a cube, in samples.
   using SquareOfDistances = std::array<Real, samples * samples>;
