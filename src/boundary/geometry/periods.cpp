@@ -8,14 +8,31 @@
 namespace trevi {
 namespace {
 
+// The box that the corners of `bounds` sweep as they go around an axis through the centre, all in the frame of a shape.
+Box swept_by(const Box& bounds, const Vec3& axis, const Pose& pose) {
+  const Vec3 direction = pose.turn * axis;
+  Box swept{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};
+  for (int n = 0; n < 8; ++n) {
+    const Vec3 corner((n & 1 ? bounds.max : bounds.min).x(), (n & 2 ? bounds.max : bounds.min).y(),
+                      (n & 4 ? bounds.max : bounds.min).z());
+    const Real along = corner.dot(axis), around = (corner - along * axis).norm();
+    const Vec3 middle = pose.center + along * direction;
+    const Vec3 reach = around * (1 - direction.array().square()).max(0).sqrt();
+    swept = {swept.min.cwiseMin(middle - reach), swept.max.cwiseMax(middle + reach)};
+  }
+  return swept;
+}
+
 // The box of its surface; for a rotating obstacle, at any time.
 Box place_of(const ObstacleSettings& obstacle) {
   const Box bounds = bounds_of(obstacle);
-  if (!obstacle.angular_velocity.isZero() || (obstacle.oscillation && !obstacle.oscillation->rotation.isZero())) {
-    const Real radius = bounds.min.cwiseAbs().cwiseMax(bounds.max.cwiseAbs()).norm();
-    return {obstacle.center.array() - radius, obstacle.center.array() + radius};
-  }
   const Pose pose = BodyMotion(obstacle).at(0);
+  const Vec3 turning = obstacle.oscillation ? obstacle.oscillation->rotation : obstacle.angular_velocity;
+  if (Vec3 axis = pose.turn.transpose() * turning; axis.norm() > 0) {
+    axis.normalize();
+    constexpr Real rounding = 1e-9;
+    if ((axes_of_revolution(obstacle) * axis - axis).norm() > rounding) return swept_by(bounds, axis, pose);
+  }
   const Vec3 middle = pose.into_world((bounds.max + bounds.min) / 2);
   const Vec3 half = pose.turn.cwiseAbs() * (bounds.max - bounds.min) / 2;
   return {middle - half, middle + half};

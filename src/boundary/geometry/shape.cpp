@@ -282,4 +282,13 @@ Box bounds_of(const ObstacleSettings& obstacle) {
   return bounds;
 }
 
+Eigen::Matrix3d axes_of_revolution(const ObstacleSettings& obstacle) {
+  if (obstacle.shape == ShapeKind::sphere) return Eigen::Matrix3d::Identity();
+  const ShapeKind kind = obstacle.shape;
+  const bool round_about_z = kind == ShapeKind::cylinder || kind == ShapeKind::capsule || kind == ShapeKind::torus ||
+                             (kind == ShapeKind::basin && obstacle.size.isZero());
+  if (!round_about_z) return Eigen::Matrix3d::Zero();
+  return Vec3::Unit(2) * Vec3::Unit(2).transpose();
+}
+
 }  // namespace trevi

@@ -55,5 +55,7 @@ std::unique_ptr<Shape> make_shape(const ObstacleSettings& obstacle);
 bool has_same_shape(const ObstacleSettings& a, const ObstacleSettings& b);
 /// Its bounds(), without building the tree of a mesh.
 Box bounds_of(const ObstacleSettings& obstacle);
+/// The projection onto the axes of revolution of its shape, in the frame of the shape.
+Eigen::Matrix3d axes_of_revolution(const ObstacleSettings& obstacle);
 
 }  // namespace trevi

@@ -34,14 +34,6 @@ Mass6 mass_matrix(Real mass, const Rotation& inertia) {
   return all;
 }
 
-// The projection onto the axes of revolution of a shape, in its frame.
-Rotation axes_of_revolution(const BodySettings& body) {
-  if (body.shape == ShapeKind::sphere) return Rotation::Identity();
-  const bool round_about_z = body.shape == ShapeKind::cylinder || body.shape == ShapeKind::capsule ||
-                             body.shape == ShapeKind::torus || (body.shape == ShapeKind::basin && body.size.isZero());
-  return round_about_z ? Rotation(Vec3::Unit(2) * Vec3::Unit(2).transpose()) : Rotation(Rotation::Zero());
-}
-
 // The water that each piece of the surface carries along is as thick as for a ball, whose added mass is half of the
 // water that it displaces. This is exact for a ball; for a disc it is 0.8 of the theoretical value. Triangles may be as
 // large as the sides of a box; the mean over the midpoints of their edges is exact for squares of the arms.
