@@ -93,10 +93,8 @@ class CutCells {
     return any_floats() && cells_[at].is_beside && obstacles_.floating()->holds(nearest(at));
   }
   bool any_floats() const { return obstacles_.floating() != nullptr; }
-  /// Whether it has a prescribed motion.
-  bool is_driven(std::size_t at) const {
-    return moves() && cells_[at].is_beside && obstacles_.body(nearest(at)).moves() && !floats(at);
-  }
+  /// Whether it has a prescribed motion; for cells that are cut or beside one that is.
+  bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
   /// Whether an obstacle that does not move fills the cell.
   bool is_filled_at_rest(std::size_t at) const { return open(at) == 0 && !floats(at) && !is_driven(at); }
   /// Whether it moves in the water, freely or as prescribed, and is not a vessel that holds the water.

@@ -273,6 +273,16 @@ TEST(Periodic, SettingsThatCannotBeAreRefused) {
     });
   };
   EXPECT_EQ(with(ball), "nothing");
+  // What rotates keeps its place if it is round; the corners of a box sweep a wider one.
+  ObstacleSettings turning = ball;
+  turning.center.x() = settings.domain.min.x() + 2 * settings.fluid.kernel_radius + 0.101;
+  turning.angular_velocity = Vec3(0, 0, 3);
+  EXPECT_EQ(with(turning), "nothing");
+  turning.shape = ShapeKind::box;
+  turning.size = Vec3::Constant(0.2);
+  EXPECT_NE(with(turning).find("no image"), std::string::npos);
+  turning.angular_velocity = Vec3(3, 0, 0);
+  EXPECT_EQ(with(turning), "nothing");
   ball.velocity = Vec3(0, 0.1, 0);
   EXPECT_NE(with(ball).find("goes places"), std::string::npos);
   ball.velocity = Vec3::Zero();

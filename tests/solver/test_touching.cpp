@@ -207,6 +207,61 @@ TEST(Touching, BoxesMayLieOnEachOtherAndSideBySideOnTheFacesOfCells) {
   }
 }
 
+// Water in a tank without air, under the ceiling of the box or a lid that closes it.
+std::string full_tank(bool lid) {
+  return tank_with_gravity({.max = lid ? "1.2, 1.2, 1.4" : "1.2, 1.2, 0.8",
+                            .water = {{"0, 0, 0", "1.2, 1.2, 0.8"}},
+                            .spacing = "0.05"}) +
+         (lid ? "[[obstacle]]\ntype = \"box\"\nsize = [2, 2, 0.4]\ncenter = [0.6, 0.6, 1]\n" : "");
+}
+
+std::string float_in_full_tank(Real x, Real z, Real density) {
+  return fmt::format("[[body]]\ntype = \"box\"\nsize = [0.4, 0.4, 0.2]\ncenter = [{}, 0.607, {}]\ndensity = {}\n", x, z,
+                     density);
+}
+
+// As it closed the gap beneath the lid, the pressure there threw the water out at up to 40 m/s, and did not act on the
+// body: the energy rose by 5.8 kJ in a step.
+TEST(Touching, ALightBodyThatClosesAGapThrowsNoWater) {
+  for (const bool lid : {true, false}) {
+    BodyRun run(world, full_tank(lid) + float_in_full_tank(0.613, 0.45, 50));
+    Real least = run.energy();
+    for (int k = 0; k < 50; ++k) {
+      run.steps(1);
+      EXPECT_LT(run.energy(), least + 2.5) << lid << " " << k;
+      EXPECT_LT(run.rows.back().speed_max, 7) << lid << " " << k;
+      least = std::min(least, run.energy());
+    }
+    EXPECT_NEAR(run.bodies()[0].position.z(), 0.7, 0.01) << lid;
+  }
+}
+
+// The pressure of the water is zero at the top of the tank, also in the contact. It was zero half a cell lower, and no
+// film can pull: a quarter was missing.
+TEST(Touching, ABodyAtTheTopOfAFullTankHasItsBuoyancy) {
+  for (const bool lid : {true, false}) {
+    BodyRun run(world, full_tank(lid) + float_in_full_tank(0.6, 0.7, 200));
+    run.steps(20);
+    EXPECT_NEAR(run.forces.back()[run.scene.obstacles.size()].force.z(), 9800 * 0.032, 0.03 * 9800 * 0.032) << lid;
+  }
+}
+
+// A slab has a contact with each of its piers. The film was that of one of them alone, which lifted it off the floor.
+TEST(Touching, ABridgeRestsOnItsPiers) {
+  const auto block = [](Real x, Real z, Real length, Real height) {
+    return fmt::format("[[body]]\ntype = \"box\"\nsize = [{}, 0.4, {}]\ncenter = [{}, 0.6, {}]\ndensity = 1500\n",
+                       length, height, x, z);
+  };
+  BodyRun run(world, tank_with_gravity({.max = "2, 1.2, 1", .water = {{"0, 0, 0", "2, 1.2, 0.7"}}, .spacing = "0.05"}) +
+                         block(0.6, 0.15, 0.3, 0.3) + block(1.4, 0.15, 0.3, 0.3) + block(1, 0.375, 1.1, 0.15));
+  run.steps(60);
+  const std::array<Real, 3> displaced{0.036, 0.036, 0.066};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(run.forces.back()[k].force.z() / (9800 * displaced[k]), 1, 0.03) << k;
+    EXPECT_LT((run.bodies()[k].position - run.scene.bodies[k].center).norm(), 1e-3) << k;
+  }
+}
+
 const std::string touching = water_on(0.03) + body_of(shapes[1].text, 0.5, 0.03 + half, 600) +
                              body_of("type = \"box\"\nsize = [0.6, 0.6, 0.3]", 1.3, 0.18, 2000) +
                              body_of("type = \"box\"\nsize = [0.25, 0.3, 0.4]", 0.875, 0.23, 800) +
@@ -226,6 +281,29 @@ TEST(Touching, SameBitsOnAnyRanksAndThreads) {
     EXPECT_EQ(together.bodies(), alone.bodies());
   }
   use_threads(before);
+}
+
+// Cells that a body has left, or is about to reach, may be nearest to it or to an obstacle, as they were last measured.
+// What is beside them was that of the one or of the other, and forces of obstacles depended on ranks and restarts.
+TEST(Touching, ForcesOfObstaclesAreTheSameOnAnyRanks) {
+  const std::string text =
+      tank_with_gravity({.min = "0.10299, 0, 0",
+                         .max = "3.37178, 0.9458, 1.23595",
+                         .water = {{"2.28887, 0.52389, 0.74377", "3.37178, 0.9458, 1.08916",
+                                    "velocity = [1.88019, -1.41684, 0.20642]"}},
+                         .spacing = "0.06"}) +
+      "[[obstacle]]\ntype = \"torus\"\ncenter = [2.32045, 0.05114, 0.23866]\nradius = 0.13585\ntube = 0.05301\n"
+      "[[body]]\ntype = \"capsule\"\ncenter = [2.01304, 0.58873, 0.84639]\nradius = 0.13925\nheight = 0.53999\n"
+      "density = 500\n";
+  BodyRun alone(MPI_COMM_SELF, text), together(world, text);
+  for (int k = 0; k < 30; ++k) {
+    alone.steps(1);
+    together.steps(1);
+    for (std::size_t of = 0; of < alone.forces.back().size(); ++of) {
+      EXPECT_EQ(alone.forces.back()[of].force, together.forces.back()[of].force) << k << " " << of;
+      EXPECT_EQ(alone.forces.back()[of].torque, together.forces.back()[of].torque) << k << " " << of;
+    }
+  }
 }
 
 // What a film gives to a body it takes from what the body touches.
