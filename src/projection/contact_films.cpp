@@ -79,25 +79,20 @@ void ContactFilms::find(const FreeSurface& surface) {
     any = true;
   }
   contacts_.clear();
-  beside_.clear();
   if (!any) return;
   find_beside(surface);
-  find_touches(surface);
+  find_touches();
   share_out(surface, std::move(missing));
 }
 
 // The volume, in cells, by which a contact grows in the substep, by the present twists.
 Real ContactFilms::displaced_in(const Contact& contact) const {
   const RigidBodies& bodies = *obstacles_.floating();
-  const auto passed_by = [&](std::size_t body, const TotalImpulse& push) {
-    const RigidBody& solid = bodies.body(body);
-    return (push.shift.dot(along_of(solid.twist())) + push.moment.dot(about_of(solid.twist()))) * solid.dt();
-  };
   const TotalImpulse& push = contact.open.push;
-  Real sum = -passed_by(contact.body, push);
+  Real sum = -bodies.passed_by(contact.body, push);
   if (bodies.holds(contact.other)) {
     const std::size_t other = contact.other - bodies.first();
-    sum += passed_by(other, about(contact.body, push, other));
+    sum += bodies.passed_by(other, about(contact.body, push, other));
   } else if (contact.other != obstacles_.box_account()) {
     // The contact is where a force along its normal has this moment, at the height of the centre of the body.
     const Vec3 place =
@@ -107,18 +102,20 @@ Real ContactFilms::displaced_in(const Contact& contact) const {
   return sum / (h_ * h_);
 }
 
-// Each cell gets its sums in the order of the contacts, on any number of threads and ranks.
+// The entries of a cell are in one order on any number of threads and ranks, because one thread has found them.
 void ContactFilms::displace(const FreeSurface& surface, Pressure& pressure) {
+  if (contacts_.empty()) return;
+  std::vector<Real> change(sides * obstacles_.floating()->count());  // of each side, for a weight of 1
   for (Contact& contact : contacts_) {
     if (contact.side < 4) continue;
-    const Real now = displaced_in(contact), change = now - contact.displaced;
+    const Real now = displaced_in(contact);
+    change[sides * contact.body + contact.side] += (now - contact.displaced) / contact.weight;
     contact.displaced = now;
-    if (change == 0 || !(contact.weight > 0)) continue;
-    for (const Beside& one : beside_) {
-      if (one.side != sides * contact.body + contact.side || !counts(surface, one)) continue;
+  }
+  for (const Beside& one : beside_) {
+    if (change[one.side] != 0)
       pressure.make_room(surface, surface.grid().index(one.cell[0], one.cell[1], one.cell[2]),
-                         change * one.weight / contact.weight);
-    }
+                         change[one.side] * one.weight);
   }
 }
 
@@ -174,19 +171,20 @@ const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface,
   const RigidBodies& bodies = *obstacles_.floating();
   around_.clear();
   for_each_part(static_cast<LocalId>(beside_.size()), [&](LocalId n) {
-    const auto& [cell, of_side, account, part] = beside_[static_cast<std::size_t>(n)];
-    const std::size_t at = grid.index(cell[0], cell[1], cell[2]), body = bodies.first() + of_side / sides;
-    const Real middle = cuts_.middle(cell[0], cell[1], cell[2]).z();
-    if (!counts(surface, beside_[static_cast<std::size_t>(n)])) return;
+    const Beside& one = beside_[static_cast<std::size_t>(n)];
+    const auto [k, r, c] = one.cell;
+    const std::size_t at = grid.index(k, r, c), body = bodies.first() + one.side / sides;
+    const Real middle = cuts_.middle(k, r, c).z();
     Real up = 0, height = 0.5;  // above the centre of the body; in the cell
-    if (of_side % sides < 4) {
+    if (one.side % sides < 4) {
+      if (!surface.is_wet(at)) return;
       up = (middle - bodies.center(body).z()) / half_height(body);
     } else {
       const Box place = obstacles_.body(body).surface_box();
-      height = ((of_side % 2 == 1 ? place.max : place.min).z() - middle) / grid.size()[2] + 0.5;
+      height = std::clamp(((one.side % 2 == 1 ? place.max : place.min).z() - middle) / grid.size()[2] + 0.5, 0.0, 1.0);
     }
-    const Real phi = forces.at_height(at, height) / (h_ * h_), weight = part * h_;
-    around_.add(of_side, TotalImpulse{weight * Vec3(1, phi, up), weight * h_ * Vec3(up * up, up * phi, 0)});
+    const Real phi = forces.at_height(at, height) / (h_ * h_), weight = one.weight * h_;
+    around_.add(one.side, TotalImpulse{weight * Vec3(1, phi, up), weight * h_ * Vec3(up * up, up * phi, 0)});
   });
   const std::vector<TotalImpulse> all = around_.total(comm_);
   films_.assign(bodies.count(), {});

@@ -56,8 +56,8 @@ class ContactFilms {
     std::size_t body, side, other;  // numbers of the body and of a side of it; account of what it touches there
     Open open;                      // of the contact, with the other sign
     TotalImpulse film{};            // what the present pressure gives there
-    Real weight = 0;                // of the cells beside this side of the body that count
-    Real displaced = 0;             // of the water so far, in cells
+    Real weight = 0;                // of all cells beside this side of the body
+    Real displaced = 0;             // volume given to the water so far, in cells
   };
   Real half_height(std::size_t body) const;
   static Real height_of(const Open& open, Eigen::Index b);
@@ -75,17 +75,16 @@ class ContactFilms {
   void for_each_touched(const FreeSurface& surface, const std::array<LocalId, 3>& cell, std::size_t body,
                         const Visit& visit) const;
   bool is_at_end_of_gap(const FreeSurface& surface, std::size_t at) const;
-  // What touches a side, on all ranks: the weights of the cells beside the contact in multiples of 2⁻³⁰, of all of them
-  // and of those that count; and their horizontal moment about the centre of the body, in h.
+  // What touches a side, on all ranks: the weight of the cells beside the contact, in multiples of 2⁻³⁰, and its
+  // horizontal moment about the centre of the body, in h.
   struct Touch {
     std::size_t side, account;
-    std::int64_t weight, counted;
+    std::int64_t weight;
     std::array<std::int64_t, 2> moment;
   };
   void find_beside(const FreeSurface& surface);
-  void find_touches(const FreeSurface& surface);
+  void find_touches();
   std::span<const Touch> touches_of(std::size_t side) const;
-  bool counts(const FreeSurface& surface, const Beside& one) const;
   std::vector<Contact> split(std::size_t body, std::size_t side, const Open& open) const;
   Real displaced_in(const Contact& contact) const;
   void share_out(const FreeSurface& surface, std::vector<Open> missing);

@@ -1,7 +1,6 @@
 // Contacts of bodies: what touches each of their sides, next to which cells, and with which part of their surface.
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "parallel/reductions.hpp"
@@ -81,13 +80,23 @@ void ContactFilms::find_beside(const FreeSurface& surface) {
       const std::size_t at = grid.index(k, r, c);
       if (surface.is_solid(at) || !cuts_.is_pushed(at) || (cuts_.is_gap(at) && !is_at_end_of_gap(surface, at)))
         continue;
+      std::array<std::pair<std::size_t, Real>, SolidParts::max_solids> closing;  // bodies, and what they close
+      std::size_t count = 0;
       cuts_.for_each_closed(cell, at, [&](std::size_t solid, std::size_t, bool, Real closed, const Vec3&) {
         if (!bodies.holds(solid) || closed < min_beside) return;
-        for_each_touched(surface, cell, solid, [&](std::size_t of_side, std::size_t account) {
-          found.mine().push_back(
-              {cell, sides * (solid - bodies.first()) + of_side, account, closed * surface.open(at)});
-        });
+        std::size_t n = 0;
+        while (n < count && closing[n].first != solid) ++n;
+        if (n == closing.size()) return;
+        if (n == count) closing[count++] = {solid, 0};
+        closing[n].second += closed;
       });
+      for (std::size_t n = 0; n < count; ++n) {
+        const auto [solid, closed] = closing[n];
+        const Real weight = closed * surface.open(at);
+        for_each_touched(surface, cell, solid, [&](std::size_t of_side, std::size_t account) {
+          found.mine().push_back({cell, sides * (solid - bodies.first()) + of_side, account, weight});
+        });
+      }
     }
   });
   beside_.clear();
@@ -95,7 +104,7 @@ void ContactFilms::find_beside(const FreeSurface& surface) {
 }
 
 // Sums are integers, so they do not depend on the order.
-void ContactFilms::find_touches(const FreeSurface& surface) {
+void ContactFilms::find_touches() {
   const RigidBodies& bodies = *obstacles_.floating();
   const auto in_order = [](const Touch& one, const Touch& other) {
     return std::pair(one.side, one.account) < std::pair(other.side, other.account);
@@ -105,10 +114,9 @@ void ContactFilms::find_touches(const FreeSurface& surface) {
     std::sort(all.begin(), all.end(), in_order);
     std::vector<Touch> sums;
     for (const Touch& one : all) {
-      if (sums.empty() || in_order(sums.back(), one)) sums.push_back({one.side, one.account, 0, 0, {}});
+      if (sums.empty() || in_order(sums.back(), one)) sums.push_back({one.side, one.account, 0, {}});
       Touch& sum = sums.back();
       sum.weight += one.weight;
-      sum.counted += one.counted;
       for (std::size_t i = 0; i < 2; ++i) sum.moment[i] += one.moment[i];
     }
     return sums;
@@ -118,11 +126,8 @@ void ContactFilms::find_touches(const FreeSurface& surface) {
     const auto fine = [](Real number) { return static_cast<std::int64_t>(std::llrint(std::ldexp(number, 30))); };
     const Vec3 arm =
         cuts_.middle(one.cell[0], one.cell[1], one.cell[2]) - bodies.center(bodies.first() + one.side / sides);
-    own.push_back({one.side,
-                   one.account,
-                   fine(one.weight),
-                   counts(surface, one) ? fine(one.weight) : 0,
-                   {fine(one.weight * arm.x() / h_), fine(one.weight * arm.y() / h_)}});
+    own.push_back(
+        {one.side, one.account, fine(one.weight), {fine(one.weight * arm.x() / h_), fine(one.weight * arm.y() / h_)}});
   }
   touches_ = joined(gather_over_ranks(comm_, joined(std::move(own))));
 }
@@ -133,11 +138,6 @@ std::span<const ContactFilms::Touch> ContactFilms::touches_of(std::size_t side) 
   auto end = begin;
   while (end != touches_.end() && end->side == side) ++end;
   return {begin, end};
-}
-
-// Whether the pressure of a cell tells that of the film: beside a body only that of water.
-bool ContactFilms::counts(const FreeSurface& surface, const Beside& one) const {
-  return one.side % sides >= 4 || surface.is_wet(surface.grid().index(one.cell[0], one.cell[1], one.cell[2]));
 }
 
 // The same push about the centre of another body.
@@ -153,26 +153,27 @@ Real ContactFilms::height_of(const Open& open, Eigen::Index b) {
 }
 
 // The contacts of a side, none if it touches nothing. Beneath or above a body each of the solids that it touches has a
-// share by weight, about the place of its weight; all these places are moved alike, so that the moment is kept. Beside
-// a body the solid of the largest weight has it all.
+// share by weight, which is that of the edges of the contact rather than its area, about the place of its weight; all
+// these places are moved alike, so that the moment is kept. Beside a body the solid of the largest weight has it all.
 std::vector<ContactFilms::Contact> ContactFilms::split(std::size_t body, std::size_t on, const Open& open) const {
-  constexpr Real min_share = 0.02;
+  constexpr Real min_share = 0.02;  // of the largest weight
   const std::span<const Touch> all = touches_of(sides * body + on);
-  if (all.empty()) return {};
-  Contact whole{body, on, 0, open};
-  std::int64_t weight = 0;
-  for (const Touch& one : all) whole.weight += std::ldexp(static_cast<Real>(one.counted), -30);
-  if (on < 4 || all.size() == 1) {
-    whole.other = std::max_element(all.begin(), all.end(), [](const Touch& one, const Touch& other) {
-                    return one.weight < other.weight;
-                  })->account;
-    return {whole};
+  std::int64_t weight = 0, largest = 0;
+  for (const Touch& one : all) {
+    weight += one.weight;
+    largest = std::max(largest, one.weight);
   }
+  if (largest == 0) return {};
+  const Contact whole{body, on, 0, open, {}, std::ldexp(static_cast<Real>(weight), -30)};
   std::vector<Touch> some;
-  for (const Touch& one : all) weight += one.weight;
-  if (weight == 0) return {};
-  for (const Touch& one : all)
-    if (static_cast<Real>(one.weight) >= min_share * static_cast<Real>(weight)) some.push_back(one);
+  for (const Touch& one : all) {
+    const bool counts = on < 4 ? one.weight == largest && some.empty()
+                               : static_cast<Real>(one.weight) >= min_share * static_cast<Real>(largest);
+    if (counts) some.push_back(one);
+  }
+  std::vector<Contact> contacts(some.size(), whole);
+  for (std::size_t n = 0; n < some.size(); ++n) contacts[n].other = some[n].account;
+  if (some.size() == 1) return contacts;
   weight = 0;
   std::array<std::int64_t, 2> moment{};
   for (const Touch& one : some) {
@@ -180,47 +181,52 @@ std::vector<ContactFilms::Contact> ContactFilms::split(std::size_t body, std::si
     for (std::size_t i = 0; i < 2; ++i) moment[i] += one.moment[i];
   }
   const auto place_of = [&](const std::array<std::int64_t, 2>& of, std::int64_t by) {
-    return Vec3(h_ * static_cast<Real>(of[0]) / static_cast<Real>(by),
-                h_ * static_cast<Real>(of[1]) / static_cast<Real>(by), 0);
+    const Real unit = h_ / static_cast<Real>(by);
+    return Vec3(unit * static_cast<Real>(of[0]), unit * static_cast<Real>(of[1]), 0);
   };
   const Vec3& push = open.push.shift;
   const Vec3 off = push.cross(open.push.moment) / push.squaredNorm() - place_of(moment, weight);
-  std::vector<Contact> contacts;
-  for (const Touch& one : some) {
-    Contact part = whole;
-    part.other = one.account;
-    part.open.push.shift = push * (static_cast<Real>(one.weight) / static_cast<Real>(weight));
-    part.open.push.moment = (place_of(one.moment, one.weight) + off).cross(part.open.push.shift);
-    contacts.push_back(part);
+  for (std::size_t n = 0; n < some.size(); ++n) {
+    TotalImpulse& part = contacts[n].open.push;
+    part.shift = push * (static_cast<Real>(some[n].weight) / static_cast<Real>(weight));
+    part.moment = (place_of(some[n].moment, some[n].weight) + off).cross(part.shift);
   }
   return contacts;
 }
 
 // A body that rests on another one hands the surface of that contact on to it, and so forth down to what stands still.
-// `missing`: for each body and direction, what is missing to a closed surface.
+// What touches one solid only is handed on first, because its share is known. `missing`: for each body and direction,
+// what is missing to a closed surface.
 void ContactFilms::share_out(const FreeSurface& surface, std::vector<Open> missing) {
   const RigidBodies& bodies = *obstacles_.floating();
-  for (std::size_t pass = 0; pass <= bodies.count(); ++pass) {
-    for (std::size_t n = 0; n < missing.size(); ++n) {
-      const auto b = static_cast<Eigen::Index>(surface.grid().axis(n % 3));
-      const std::size_t body = n / 3, on = side(n % 3, missing[n].push.shift[b] > 0);
-      // Less is the rounding of what other contacts have handed on.
-      const Real face = h_ * h_ / surface.grid().size()[static_cast<Eigen::Index>(n % 3)];
-      if (std::abs(missing[n].push.shift[b]) <= min_contact * face) continue;
-      const std::vector<Contact> contacts = split(body, on, missing[n]);
-      if (contacts.empty()) continue;
-      missing[n] = {};
-      for (const Contact& contact : contacts) {
-        contacts_.push_back(contact);
-        if (!bodies.holds(contact.other)) continue;
-        const std::size_t next = contact.other - bodies.first();
-        const Open& open = contact.open;
-        Open& rest = missing[3 * next + n % 3];
-        const Real up = bodies.center(bodies.first() + body).z() - bodies.center(contact.other).z();
-        if (n % 3 < 2) rest.square += open.square + open.push.shift[b] * up * (2 * height_of(open, b) + up);
-        rest.push += about(body, open.push, next);
-      }
+  const auto hand_on = [&](std::size_t n, bool shared) {
+    const auto b = static_cast<Eigen::Index>(surface.grid().axis(n % 3));
+    const std::size_t body = n / 3, on = side(n % 3, missing[n].push.shift[b] > 0);
+    // Less is the rounding of what other contacts have handed on.
+    const Real face = h_ * h_ / surface.grid().size()[static_cast<Eigen::Index>(n % 3)];
+    if (std::abs(missing[n].push.shift[b]) <= min_contact * face) return false;
+    if (!shared && on >= 4 && touches_of(sides * body + on).size() > 1) return false;
+    const std::vector<Contact> contacts = split(body, on, missing[n]);
+    if (contacts.empty()) return false;
+    missing[n] = {};
+    for (const Contact& contact : contacts) {
+      contacts_.push_back(contact);
+      if (!bodies.holds(contact.other)) continue;
+      const std::size_t next = contact.other - bodies.first();
+      const Open& open = contact.open;
+      Open& rest = missing[3 * next + n % 3];
+      const Real up = bodies.center(bodies.first() + body).z() - bodies.center(contact.other).z();
+      if (n % 3 < 2) rest.square += open.square + open.push.shift[b] * up * (2 * height_of(open, b) + up);
+      rest.push += about(body, open.push, next);
     }
+    return true;
+  };
+  bool shared = false;
+  for (std::size_t pass = 0; pass < 2 * (missing.size() + 1); ++pass) {
+    bool any = false;
+    for (std::size_t n = 0; n < missing.size() && !(any && shared); ++n) any = hand_on(n, shared) || any;
+    if (!any && shared) return;
+    shared = !any;
   }
 }
 

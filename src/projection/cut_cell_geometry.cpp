@@ -15,8 +15,8 @@ constexpr Real min_open = 2e-4;
 // by more than `min_reach`, cells. Beside an edge of a solid whose faces coincide with those of cells, the slopes of
 // the samples leave 1e-3 of a solid cell open.
 constexpr Real sliver = 3e-3, min_reach = 1e-6;
-// The same of what is left between a freely moving body that touches another solid and that: a few such cells, open to
-// each other and to no others, had no pressure that would let water out of them as the body moved.
+// The same for what is left between a freely moving body and another solid that it touches: a few such cells, open to
+// each other and to hardly any others, had a pressure of sixty times that of their depth as the body moved.
 constexpr Real hair = 0.01;
 // Square of the slope of the distance below which an edge is near.
 constexpr Real flat = 0.9;
@@ -314,7 +314,7 @@ CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) con
   Cell cell;
   const Vec3 middle = place(corner + Vec3::Constant(0.5));
   const Nearest far = nearest_at(middle, candidates.of_row);
-  find_nearest(middle, far, candidates.of_row, cell);
+  find_nearest(corner, far, candidates.of_row, cell);
   // If the distance is larger, no face is nearer than this less half a cell, which is the distance to which
   // is_passage() looks, or that of the surface where all solids are thick.
   candidates.near = std::abs(far.distance) <= (candidates.clear ? 1.26 : 2) * size_.maxCoeff();

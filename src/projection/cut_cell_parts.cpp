@@ -30,7 +30,9 @@ CutCells::SolidsNear CutCells::solids_near(const Vec3& p, Real reach, const Bodi
     if (d > reach) continue;
     if (obstacles_.floating()->holds(k)) {
       // Not of a cell beyond its zone (zone_of()), which is not measured in each substep.
-      if (!is_about(obstacles_.body(k), inside, max_distance)) continue;
+      const Box place = obstacles_.body(k).surface_box();
+      const Vec3 margin = Vec3::Constant(max_distance * size_.maxCoeff());
+      if (!Box{place.min - margin, place.max + margin}.contains(inside)) continue;
       bodies.push_back({d, k});
     } else {
       found.others.push_back(k);
@@ -141,7 +143,7 @@ void CutCells::find_parts_of_cell(const Vec3& corner, std::size_t at, const Bodi
 CutCells::Cell CutCells::filled_by(const Bodies& solids, const Vec3& corner) const {
   Samples at;
   Cell alone;
-  alone.nearest = static_cast<std::uint32_t>(obstacles_.floating()->first()) & 0x1fffffffU;  // as if they floated
+  alone.nearest = static_cast<std::uint32_t>(obstacles_.floating()->first()) & Cell::max_nearest;  // as if they floated
   alone.open = static_cast<float>(open_at(corner, solids, at, alone));
   return alone;
 }

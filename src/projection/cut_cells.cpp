@@ -60,28 +60,25 @@ CutCells::Nearest CutCells::nearest_at(const Vec3& p, const Bodies& bodies) cons
   return nearest;
 }
 
-// Whether a place lies in the box around a solid, extended by a margin, in cells.
-bool CutCells::is_about(const Body& body, const Vec3& p, Real margin) const {
-  const Box place = body.surface_box();
-  const Vec3 more = Vec3::Constant(margin * size_.maxCoeff());
-  return Box{place.min - more, place.max + more}.contains(p);
-}
-
-// `far`: the nearest of these solids, however far away.
-void CutCells::find_nearest(const Vec3& middle, const Nearest& far, const Bodies& bodies, Cell& cell) const {
-  Nearest nearest = far;
-  const Real reach = beside * size_.maxCoeff();
-  const auto is_known = [&](std::size_t k) {
-    const Body& body = obstacles_.body(k);
-    return !body.moves() || body.is_vessel() || is_about(body, in_box(middle), beside);
+// `far`: the nearest of these solids. A moving one counts in its zone only, because other cells are not measured again
+// when it moves: what they knew of it depended on when the window of the rank had last changed.
+void CutCells::find_nearest(const Vec3& corner, const Nearest& far, const Bodies& bodies, Cell& cell) const {
+  const std::array<Real, 3> place_of_cell = from_box(corner);
+  const auto counts = [&](std::size_t k) {
+    if (!obstacles_.body(k).moves()) return true;
+    const Zone zone = zone_of(obstacles_.body(k));
+    for (std::size_t a = 0; a < 3; ++a)
+      if (place_of_cell[a] < zone.low[a] || place_of_cell[a] > zone.high[a]) return false;
+    return true;
   };
-  if (far.distance <= reach && !is_known(far.body)) {
-    Bodies known;
-    std::copy_if(bodies.begin(), bodies.end(), std::back_inserter(known), is_known);
-    nearest = nearest_at(middle, known);
+  Nearest nearest = far;
+  if (!counts(far.body)) {
+    Bodies some;
+    std::copy_if(bodies.begin(), bodies.end(), std::back_inserter(some), counts);
+    nearest = nearest_at(place(corner + Vec3::Constant(0.5)), some);
   }
-  cell.nearest = static_cast<std::uint32_t>(nearest.body) & 0x1fffffffU;
-  cell.is_beside = nearest.distance <= reach;
+  cell.nearest = static_cast<std::uint32_t>(nearest.body) & Cell::max_nearest;
+  cell.has_nearest = nearest.distance < INFINITY;
 }
 
 // All solids that may be the nearest one somewhere within `reach` of p, or be met there: a distance changes by no more
@@ -110,7 +107,7 @@ CutCells::Zone CutCells::zone_of(const Body& body) const {
   const Box place = body.surface_box();
   const Vec3 far = Vec3::Constant(3 * size_.maxCoeff());
   const bool inside = box_.contains(place.min - far) && box_.contains(place.max + far);
-  const Vec3 margin = Vec3::Constant((inside ? beside : 2) * size_.maxCoeff());
+  const Vec3 margin = Vec3::Constant((inside ? 1.25 : 2) * size_.maxCoeff());
   Zone zone = everywhere;
   for (std::size_t a = 0; a < 3 && !body.is_vessel(); ++a) {
     const auto b = static_cast<Eigen::Index>(a);

@@ -86,15 +86,17 @@ class CutCells {
     }
     return near.end == 0 ? Range{0, 0} : near;
   }
-  /// The obstacle nearest to a cell that is cut.
+  /// The obstacle nearest to a cell. Those that move count in the cells that are measured in each substep.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
-  /// Whether the nearest obstacle is a freely moving body, no further away than `beside`.
+  /// Whether the nearest obstacle is a freely moving body.
   bool floats(std::size_t at) const {
-    return any_floats() && cells_[at].is_beside && obstacles_.floating()->holds(nearest(at));
+    return any_floats() && cells_[at].has_nearest && obstacles_.floating()->holds(nearest(at));
   }
   bool any_floats() const { return obstacles_.floating() != nullptr; }
-  /// Whether it has a prescribed motion; for cells that are cut or beside one that is.
-  bool is_driven(std::size_t at) const { return moves() && obstacles_.body(nearest(at)).moves() && !floats(at); }
+  /// Whether it has a prescribed motion.
+  bool is_driven(std::size_t at) const {
+    return moves() && cells_[at].has_nearest && obstacles_.body(nearest(at)).moves() && !floats(at);
+  }
   /// Whether an obstacle that does not move fills the cell.
   bool is_filled_at_rest(std::size_t at) const { return open(at) == 0 && !floats(at) && !is_driven(at); }
   /// Whether it moves in the water, freely or as prescribed, and is not a vessel that holds the water.
@@ -127,15 +129,16 @@ class CutCells {
   void for_each_closed(const std::array<LocalId, 3>& cell, std::size_t at, const Use& use) const;
   /// Whether a cell is a thin gap below or above a freely moving body: part of its contact (ContactFilms).
   bool is_gap(std::size_t at) const { return gap_at(at) != nullptr; }
-  /// The part of its lower or upper face that the gap is between.
+  /// The part of its lower or upper face that bounds the gap.
   Real in_gap(std::size_t at, bool upper) const {
     const Gap* const gap = gap_at(at);
     return gap != nullptr && gap->ends[upper ? 1 : 0] ? gap->between : 0;
   }
-  /// The closed part of the lower or upper face of a cell along direction a, less that which a gap is between. The
+  /// The closed part of the lower or upper face of a cell along direction a, less the part that bounds a gap. The
   /// pressure of the cell acts on it, and its motion changes the room for the water of the cell.
   Real closed(std::size_t a, std::size_t at, bool upper) const {
-    return 1 - face(a, upper ? at + step_[a] : at) - (a == 2 ? in_gap(at, upper) : 0);
+    const Real all = 1 - face(a, upper ? at + step_[a] : at);
+    return a == 2 ? std::max(all - in_gap(at, upper), 0.0) : all;  // a wall may bound a gap
   }
   /// Whether the pressure of a cell pushes a freely moving body.
   bool is_pushed(std::size_t at) const;
@@ -168,10 +171,11 @@ class CutCells {
     float capacity = 1;
     std::array<float, 2> aside{};
     std::uint32_t parts = 0;  // number of the first part of its lower faces in `parts_`, from 1; 0: none
+    static constexpr std::uint32_t max_nearest = 0x1fffffffU;
     std::uint32_t nearest : 29 = 0;
-    bool is_beside : 1 = false;   // whether the nearest solid is no further away than `beside`
-    bool has_shares : 1 = false;  // whether it has its own shares in `shares_`, because a solid is near
-    bool cut : 1 = false;         // whether a part of it or of its lower faces is closed
+    bool has_nearest : 1 = false;  // whether any solid counts for it
+    bool has_shares : 1 = false;   // whether it has its own shares in `shares_`, because a solid is near
+    bool cut : 1 = false;          // whether a part of it or of its lower faces is closed
   };
   static void note_cut(Cell& cell) {
     cell.cut = cell.open < 1 || cell.face[0] < 1 || cell.face[1] < 1 || cell.face[2] < 1;
@@ -224,15 +228,11 @@ class CutCells {
   Vec3 in_box(const Vec3& p) const { return {in_box(0, p.x()), in_box(1, p.y()), in_box(2, p.z())}; }
   Real distance_to(const Body& body, const Vec3& p) const { return body.rough_distance(body.midway().into_body(p)); }
   Nearest nearest_at(const Vec3& p, const Bodies& bodies) const;
-  void find_nearest(const Vec3& middle, const Nearest& far, const Bodies& bodies, Cell& cell) const;
-  bool is_about(const Body& body, const Vec3& p, Real margin) const;
+  void find_nearest(const Vec3& corner, const Nearest& far, const Bodies& bodies, Cell& cell) const;
   void keep_near(const Vec3& p, Real reach, const Bodies& all, Bodies& kept, std::vector<Real>& distance) const;
   // Distance from the centre of a cell within which solids are searched, in cells: a cell beyond one of its
   // faces, 1.66.
   static constexpr Real looked_at = 1.7;
-  // Distance from a solid, in cells, up to which a cell is beside it. Cells within this distance of a moving one are
-  // measured in each substep; of others it is not known where it is.
-  static constexpr Real beside = 1.25;
   static constexpr std::array<Real, samples> sample_at{0.125, 0.375, 0.625, 0.875};  // in cells
   // Signed distances at the samples of a square and of a cube, in samples.
   using SquareOfDistances = std::array<Real, samples * samples>;

@@ -8,7 +8,7 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   const ProjectionGrid& grid = surface.grid();
   const LocalId planes = grid.planes();
   enclosed_ = &surface.enclosed();
-  in_highest_ = -step.g_dt2 * grid.size()[2] / 2;
+  largest_enclosed_ = -step.g_dt2 * grid.size()[2] / 2;
   const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
   multigrid_.resize(halo.cuts(), grid.count(1), grid.columns(), step.depth);
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
@@ -39,14 +39,14 @@ void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t 
 }
 
 void Pressure::show(const FreeSurface& surface, Halo& halo) {
-  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi, in_highest_);
+  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi, largest_enclosed_);
   surface.grid().complete(halo, multigrid_.finest().phi);
 }
 
 void Pressure::finish(const FreeSurface& surface, Halo& halo) {
   const ProjectionGrid& grid = surface.grid();
   multigrid_.give_back_all_but_phi();
-  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi, in_highest_);
+  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi, largest_enclosed_);
   for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
     for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);
@@ -174,8 +174,7 @@ Real Pressure::returned(const FreeSurface& surface, const Step& step, LocalId k,
   const std::size_t at = grid.index(k, r, c);
   Real less = surface.fill(at) - 1;
   if (enclosed_->holds(at) || surface.is_solid(at) || (less < 0 && may_swell(surface, k, r, c))) return 0;
-  if (surface.is_cut(at) && surface.fill(at) < submerged_fill) return 0;
-  if (surface.cuts() != nullptr && surface.cuts()->is_gap(at)) return 0;
+  if (surface.is_cut(at) && (surface.fill(at) < submerged_fill || surface.cuts()->is_gap(at))) return 0;
   Real fraction = step.return_fraction;
   if (surface.upright()) {
     if (surface.is_top(at)) {

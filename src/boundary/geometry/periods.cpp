@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "boundary/geometry/pose.hpp"
 #include "boundary/geometry/shape.hpp"
 
 namespace trevi {
 namespace {
 
-// The box that the corners of `bounds` sweep as they go around an axis through the centre, all in the frame of a shape.
+// The box in the world that the corners of a box sweep as they go around an axis through the centre; the box and the
+// axis are in the frame of a shape.
 Box swept_by(const Box& bounds, const Vec3& axis, const Pose& pose) {
   const Vec3 direction = pose.turn * axis;
   Box swept{Vec3::Constant(INFINITY), Vec3::Constant(-INFINITY)};

@@ -151,6 +151,12 @@ Six RigidBodies::take_pressure(std::size_t k, const TotalImpulse& pushes) {
   return six_of(along_of(found), about_of(found) - spurious_[k]);
 }
 
+Real RigidBodies::passed_by(std::size_t k, const TotalImpulse& push) const {
+  const Vec3 moment = push.moment - moved_[k].cross(push.shift);
+  const Vec3 counted = moment - bodies_[k].about_axes_of_revolution(moment);
+  return dot(bodies_[k].twist(), six_of(push.shift, counted)) * dt_;
+}
+
 void RigidBodies::give(std::span<const TotalImpulse> all) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     moved_[k] = bodies_[k].midway_position() - bodies_[k].state().position;
