@@ -180,8 +180,8 @@ const std::vector<TotalImpulse>& ContactFilms::press(const FreeSurface& surface,
       if (!surface.is_wet(at)) return;
       up = (middle - bodies.center(body).z()) / half_height(body);
     } else {
-      const Box place = obstacles_.body(body).surface_box();
-      height = std::clamp(((one.side % 2 == 1 ? place.max : place.min).z() - middle) / grid.size()[2] + 0.5, 0.0, 1.0);
+      const Real end = obstacles_.body(body).lowest_and_highest()[one.side % 2];
+      height = std::clamp((end - middle) / grid.size()[2] + 0.5, -1.0, 2.0);
     }
     const Real phi = forces.at_height(at, height) / (h_ * h_), weight = one.weight * h_;
     around_.add(one.side, TotalImpulse{weight * Vec3(1, phi, up), weight * h_ * Vec3(up * up, up * phi, 0)});

@@ -81,7 +81,7 @@ Real RecordForces::at_height(std::size_t at, Real height) const {
   const Real size = surface_.grid().size()[2];
   if (!surface_.is_wet(at)) {
     const Real over = surface_.filled_height(at);
-    return over > height ? -fall_at(at - 1) * size * (over - height) : 0;
+    return over > 0 && over > height ? -fall_at(at - 1) * size * (over - height) : 0;
   }
   const Real fall = surface_.height(at) < 1 ? fall_at(at) : g_dt2_;
   return std::min(pressure_.phi_so_far(at) + fall * size * (height - 0.5), 0.0);

@@ -25,7 +25,7 @@ class RecordForces {
   Pushes pushes_of_cell(LocalId k, LocalId r, LocalId c) const;
   /// The pressure on a vertical side of a cell up to the height of the water, averaged over the whole side, m².
   Real on_side(std::size_t at) const;
-  /// The pressure at a height in a cell, which is 0 to 1 from its lower to its upper face, m².
+  /// The pressure at a height in a cell, which is 0 to 1 from its lower to its upper face, or beyond these, m².
   Real at_height(std::size_t at, Real height) const;
   /// The growth of the pressure of water at rest downwards, m.
   Real g_dt2() const { return g_dt2_; }

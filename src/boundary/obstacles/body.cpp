@@ -26,6 +26,7 @@ Real radius_of(const Box& bounds) { return bounds.min.cwiseAbs().cwiseMax(bounds
 Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats, const Body* like)
     : shape_(like != nullptr ? like->shape_ : make_shape(obstacle)),
       surface_(shape_->bounds()),
+      revolution_(axes_of_revolution(obstacle)),
       motion_(obstacle),
       floats_(floats),
       moves_(floats || obstacle.moves()),
@@ -57,6 +58,18 @@ Body::Body(const ObstacleSettings& obstacle, const BodyRules& rules, bool floats
 Box Body::box_at(const Pose& pose, Real margin) const {
   const Vec3 half = (surface_.max - surface_.min) / 2, middle = pose.into_world((surface_.max + surface_.min) / 2);
   const Vec3 extent = (pose.turn.cwiseAbs() * half).array() + margin;
+  return {middle - extent, middle + extent};
+}
+
+std::array<Real, 2> Body::lowest_and_highest() const {
+  const Vec3 half = (surface_.max - surface_.min) / 2;
+  const Real middle = midway_.into_world((surface_.max + surface_.min) / 2).z(), along = std::abs(midway_.turn(2, 2));
+  Real extent = (midway_.turn.cwiseAbs() * half).z();
+  if (revolution_.trace() > 2) {  // a ball
+    extent = half.z();
+  } else if (revolution_.trace() > 0) {
+    extent = along * half.z() + std::sqrt(std::max(1 - along * along, 0.0)) * half.x();
+  }
   return {middle - extent, middle + extent};
 }
 

@@ -76,6 +76,9 @@ class Body {
   const BodyMotion& motion() const { return motion_; }
   /// The box of the surface in the middle of the substep.
   Box surface_box() const { return box_at(midway_, 0); }
+  /// The heights of its lowest and highest point midway, m: of a box or something round; of other shapes those of their
+  /// bounds.
+  std::array<Real, 2> lowest_and_highest() const;
   Real radius() const { return radius_; }  ///< of the ball around the centre that contains the surface, m
   bool moves() const { return moves_; }
   bool is_vessel() const { return vessel_; }
@@ -175,7 +178,8 @@ class Body {
   Real step_from(const Segment& segment, Real s, Real d, Real threshold) const;
 
   std::shared_ptr<const Shape> shape_;
-  Box surface_;  // its bounds, in the frame of the body
+  Box surface_;                 // its bounds, in the frame of the body
+  Eigen::Matrix3d revolution_;  // projects on the axes of revolution of the shape, in this frame
   BodyMotion motion_;
   std::optional<Vec3> hinge_;                     // of a flap
   bool floats_, moves_, vessel_, quick_, whole_;  // quick_: distances are
