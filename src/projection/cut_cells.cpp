@@ -79,7 +79,7 @@ void CutCells::find_nearest(const Vec3& corner, const Nearest& far, const Bodies
   }
   cell.nearest = static_cast<std::uint32_t>(nearest.body) & Cell::max_nearest;
   cell.has_nearest = nearest.distance < INFINITY;
-  cell.is_beside = nearest.distance <= beside * size_.maxCoeff();
+  cell.is_beside = nearest.distance <= beside_body * size_.maxCoeff();
 }
 
 // All solids that may be the nearest one somewhere within `reach` of p, or be met there: a distance changes by no more

@@ -88,7 +88,7 @@ class CutCells {
   }
   /// The obstacle nearest to a cell. Those that move count in the cells that are measured in each substep.
   std::size_t nearest(std::size_t at) const { return cells_[at].nearest; }
-  /// Whether the nearest obstacle is a freely moving body, no further than `beside` away.
+  /// Whether the nearest obstacle is a freely moving body, no further than `beside_body` away.
   bool floats(std::size_t at) const {
     return any_floats() && cells_[at].is_beside && obstacles_.floating()->holds(nearest(at));
   }
@@ -174,7 +174,7 @@ class CutCells {
     std::uint32_t parts = 0;  // number of the first part of its lower faces in `parts_`, from 1; 0: none
     static constexpr std::uint32_t max_nearest = 0xfffffffU;
     std::uint32_t nearest : 28 = 0;
-    bool is_beside : 1 = false;    // whether that is no further than `beside` away
+    bool is_beside : 1 = false;    // whether that is no further than `beside_body` away
     bool has_nearest : 1 = false;  // whether any solid counts for it
     bool has_shares : 1 = false;   // whether it has its own shares in `shares_`, because a solid is near
     bool cut : 1 = false;          // whether a part of it or of its lower faces is closed
@@ -237,7 +237,7 @@ class CutCells {
   static constexpr Real looked_at = 1.7;
   // Distance from a floating body, in cells, up to which water is beside it. Further away, where water one cell deep
   // would have counted as deep among solids, rafts of nine floats turned by up to 9 rad/s.
-  static constexpr Real beside = 1.25;
+  static constexpr Real beside_body = 1.25;
   static constexpr std::array<Real, samples> sample_at{0.125, 0.375, 0.625, 0.875};  // in cells
   // Signed distances at the samples of a square and of a cube, in samples.
   using SquareOfDistances = std::array<Real, samples * samples>;
