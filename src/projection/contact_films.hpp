@@ -32,7 +32,8 @@ class ContactFilms {
 
   /// Finds the contacts of bodies, in cells that have been measured.
   void find(const FreeSurface& surface);
-  /// Displaces water by the present twists of the bodies, in the equation of the pressure.
+  /// Displaces water by the present twists of the bodies, in the equation of the pressure: to be called after find(),
+  /// and whenever the twists have changed.
   void displace(const FreeSurface& surface, Pressure& pressure);
   /// The impulses that the films of the present pressure give to the water, as if it were in contact with all of a
   /// body, about the centres of the bodies; empty if no body touches anything. `spacing` in m.

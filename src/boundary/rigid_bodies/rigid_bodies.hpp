@@ -68,8 +68,9 @@ class RigidBodies {
   /// shape is spurious, because the cells see a staircase, and is removed; finish() removes the last one. Such moments
   /// spun light balls until they burst the water.
   Six take_pressure(std::size_t k, const TotalImpulse& pushes);
-  /// How far body k displaces a surface by its present twist, times what a pressure of 1 on that surface would give:
-  /// the work of the pressure over the pressure, of which take_pressure() is the impulse.
+  /// The work of a uniform pressure of 1 on a part of the surface of body k, by its present twist in the substep;
+  /// `push` is what the pressure would give to the body, about the same point and in any unit. This is the transpose of
+  /// take_pressure(): the moment about axes of revolution does no work.
   Real passed_by(std::size_t k, const TotalImpulse& push) const;
   /// The last moment that was removed, as the ledger holds it.
   Vec3 spurious_moment(std::size_t k) const { return spurious_[k] * (-dt_ / water_mass_); }
