@@ -211,8 +211,9 @@ CellWeights source_weights(MPI_Comm comm, const Sources& sources) {
   const std::vector<Real> blocks = block_weights(comm, scene, grid, places, files.first_id);
   for (std::size_t k = 0; k < weights.size(); ++k) weights[k] += blocks[k];
   if (!scene.particles.empty() && std::accumulate(weights.begin(), weights.end(), 0.0) == 0)
-    throw InputError(scene.path +
-                     ": [[particles]]: no particle is left outside of the obstacles and below the surface; move them");
+    throw InputError(SceneTable("particles", 0).place_in(scene, "") +
+                     "no particle of any [[particles]] is left outside of the obstacles and below the surface; move "
+                     "them");
   return {std::move(weights), [=, &sources](const Slabs& slabs) {
             RowWeights rows;
             add_row_weights(sources.grid, slabs, sources.files.particles, rows);
