@@ -13,6 +13,15 @@ void lay_in_plane(ObstacleSettings& obstacle, const FluidSettings& fluid) {
   if (obstacle.shape == ShapeKind::cylinder) obstacle.height = fluid.spacing;
 }
 
+void lay_in_plane(BodySettings& body, const FluidSettings& fluid) {
+  if (fluid.dimensions != 2) return;
+  lay_in_plane(static_cast<ObstacleSettings&>(body), fluid);
+  for (const std::size_t across : {1U, 3U, 5U}) body.free[across] = false;  // y, roll, yaw
+  if (!body.mooring) return;
+  body.mooring->anchor.y() = 0;
+  if (body.mooring->point) body.mooring->point->y() = 0;
+}
+
 // Water flows through a slot. The horizontal edge of a rectangle lies along x where the water flows straight up or
 // down, and along y otherwise (fluid/forcings/inlet.cpp).
 void lay_in_plane(InletSettings& inlet, const FluidSettings& fluid) {
@@ -60,6 +69,7 @@ void lay_in_plane(Settings& settings) {
   settings.domain.min.y() = -spacing / 2;
   settings.domain.max.y() = spacing / 2;
   for (ObstacleSettings& obstacle : settings.obstacles) lay_in_plane(obstacle, settings.fluid);
+  for (BodySettings& body : settings.bodies) lay_in_plane(body, settings.fluid);
   for (FountainSettings& fountain : settings.fountains) fountain.center[1] = 0;
   for (InletSettings& inlet : settings.inlets) lay_in_plane(inlet, settings.fluid);
   for (DrainSettings& drain : settings.drains) lay_in_plane(drain, settings.fluid);

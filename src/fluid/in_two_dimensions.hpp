@@ -11,11 +11,13 @@
 namespace trevi {
 
 /// Moves what the settings define in space into the plane, if they are in two dimensions: domain and drains get their
-/// extent along y, openings an edge of one spacing, and obstacles extend without end along y. resolved() does this
-/// first; doing it twice has the same result as once.
+/// extent along y, openings an edge of one spacing, and solids extend without end along y. A body keeps its degrees of
+/// freedom in the plane, which are x, z and pitch, and has the mass of the layer. resolved() does this first; doing it
+/// twice has the same result as once.
 void lay_in_plane(Settings& settings);
 /// The same for one of these alone.
 void lay_in_plane(ObstacleSettings& obstacle, const FluidSettings& fluid);
+void lay_in_plane(BodySettings& body, const FluidSettings& fluid);
 void lay_in_plane(InletSettings& inlet, const FluidSettings& fluid);
 void lay_in_plane(DrainSettings& drain, const FluidSettings& fluid);
 void lay_in_plane(DampingSettings& zone, const FluidSettings& fluid);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "fluid/in_two_dimensions.hpp"
 #include "scene/scene_obstacle.hpp"
 #include "scene/scene_place.hpp"
 #include "solver/check_bodies.hpp"
@@ -79,6 +80,7 @@ void read_body(Section& section, Scene& scene) {
   if (section.fine("velocity") && section.fine("angular_velocity") && section.fine("free")) check_start(section, body);
   read_mooring(section.child("mooring"), body);
   read_surface(section, scene, body);
+  lay_in_plane(body, scene.fluid);
   section.reject_unknown();
   scene.bodies.push_back(body);
   SceneTable::add(scene, "body", section.line());

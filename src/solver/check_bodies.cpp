@@ -158,10 +158,13 @@ std::string why_in_another(const Settings& settings, std::size_t k) {
 
 std::string why_no_body(const Settings& settings, std::size_t k) {
   const BodySettings& body = settings.bodies[k];
-  if (settings.fluid.dimensions == 2) return "is for three dimensions; leave it out, or take [domain] dimensions = 3";
   if (body.inside) return "is a vessel, which cannot move freely; take a basin";
   if (!body.motion.empty() || !body.knots.empty() || body.oscillation) return "has a motion of its own";
-  if (body.free == std::array<bool, 6>{}) return "is free to do nothing; make an obstacle of it";
+  if (body.free == std::array<bool, 6>{}) {
+    return settings.fluid.dimensions == 2
+               ? "is free to do nothing in the plane; give it x, z or pitch, or make an obstacle of it"
+               : "is free to do nothing; make an obstacle of it";
+  }
   if (std::string wrong = why_no_mass(body); !wrong.empty()) return wrong;
   if (std::string wrong = why_no_start(settings, body); !wrong.empty()) return wrong;
   if (std::string wrong = why_no_mooring(settings, body); !wrong.empty()) return wrong;

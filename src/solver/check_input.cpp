@@ -32,16 +32,17 @@ void check_plane(const Settings& all) {
   demand(!all.periodic[1], "y cannot be periodic in two dimensions");
   demand(all.slab_axis == 0, "slab_axis must be 0 in two dimensions");
   demand_no(why_not_along_plane(all.gravity.value_or(Vec3::Zero())), "gravity");
-  for (std::size_t k = 0; k < all.obstacles.size(); ++k) {
-    const ObstacleSettings& one = all.obstacles[k];
-    const std::string name = fmt::format("obstacles[{}].", k);
+  const auto check_solid = [](const ObstacleSettings& one, const std::string& name) {
     const Oscillation swing = one.oscillation.value_or(Oscillation{});
     demand_no(why_not_in_plane(one), name + "shape:");
     for (const Vec3& along : {one.velocity, swing.amplitude}) demand_no(why_not_along_plane(along), name + "velocity");
     for (const Vec3& about : {one.rotate, one.angular_velocity, swing.rotation})
       demand_no(why_not_about_y(about), name + "rotate");
     if (one.wavemaker) demand_no(why_not_along_plane(one.wavemaker->direction), name + "wavemaker.direction");
-  }
+  };
+  for (std::size_t k = 0; k < all.obstacles.size(); ++k)
+    check_solid(all.obstacles[k], fmt::format("obstacles[{}].", k));
+  for (std::size_t k = 0; k < all.bodies.size(); ++k) check_solid(all.bodies[k], fmt::format("bodies[{}].", k));
   for (const auto& one : all.dampings)
     demand_no(one.direction.given() ? why_not_along_plane(one.direction) : "", "a damping's direction");
   for (const auto& one : all.fountains) demand_no(why_not_along_plane(one.direction), "a fountain's direction");

@@ -70,7 +70,8 @@ MassProperties of_basin(const ObstacleSettings& basin) {
   if (basin.size.isZero())
     return without(of_cylinder(basin.radius + wall, basin.height + wall), wall / 2,
                    of_cylinder(basin.radius, basin.height));
-  return without(of_box(basin.size + Vec3(2 * wall, 2 * wall, wall)), wall / 2, of_box(basin.size));
+  const Real across = basin.extruded ? 0 : 2 * wall;  // no walls along y
+  return without(of_box(basin.size + Vec3(2 * wall, across, wall)), wall / 2, of_box(basin.size));
 }
 
 // A tetrahedron with a corner at the origin has the moments det/120 Σ (x_i x_j over pairs of corners).

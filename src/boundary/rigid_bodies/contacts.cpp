@@ -89,7 +89,8 @@ Real gap_to(const Box& box, int axis, int side, const Vec3& p) {
 }  // namespace
 
 // A body that initially extends beyond a wall, along an axis along which it is not free, has its bearing there: if it
-// were pushed out of the wall, an overlap that cannot be removed would turn it.
+// were pushed out of the wall, an overlap that cannot be removed would turn it. In two dimensions there are no walls
+// along y.
 void Contacts::note_walls_reached_through(const BodySettings& body) {
   const Pose start = BodyMotion(body).at(0);
   constexpr Real rounding = 1e-9;  // spacings
@@ -97,8 +98,9 @@ void Contacts::note_walls_reached_through(const BodySettings& body) {
   for (int a = 0; a < 3; ++a)
     for (const int side : {-1, 1})
       goes_through[static_cast<std::size_t>(a)][side < 0 ? 0 : 1] =
-          std::any_of(points_.back().begin(), points_.back().end(),
-                      [&](const Vec3& p) { return gap_to(box_, a, side, start.into_world(p)) < -rounding * spacing_; });
+          (body.extruded && a == 1) || std::any_of(points_.back().begin(), points_.back().end(), [&](const Vec3& p) {
+            return gap_to(box_, a, side, start.into_world(p)) < -rounding * spacing_;
+          });
 }
 
 // For bodies that are not round. An obstacle that initially extends into a body is its bearing.

@@ -35,9 +35,13 @@ Mass6 mass_matrix(Real mass, const Rotation& inertia) {
 }
 
 // The water that each piece of the surface carries along is as thick as for a ball, whose added mass is half of the
-// water that it displaces. This is exact for a ball; for a disc it is 0.8 of the theoretical value. Triangles may be as
-// large as the sides of a box; the mean over the midpoints of their edges is exact for squares of the arms.
-Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water) {
+// water that it displaces, or in two dimensions as for a circle, whose added mass is all of it. This is exact for a
+// ball and a circle; for a disc it is 0.8 of the theoretical value. Triangles may be as large as the sides of a box;
+// the mean over the midpoints of their edges is exact for squares of the arms.
+Mass6 first_added_mass(const Shape& solid, const Vec3& center, Real water) {
+  const Vec3 extent = solid.bounds().max - solid.bounds().min;
+  const TriangleMesh mesh = solid.surface(extent.maxCoeff() / 200);
+  const std::optional<Eigen::Index> along = solid.extruded_along();
   Mass6 sum{};
   Real whole = 0;
   for (const auto& [i, j, k] : mesh.triangles) {
@@ -47,11 +51,13 @@ Mass6 first_added_mass(const TriangleMesh& mesh, const Vec3& center, Real water)
     const Real area = twice.norm() / 2;
     if (!(area > 0)) continue;
     const Vec3 normal = twice / (2 * area);
+    if (along && std::abs(normal[*along]) > 0.5) continue;  // an end of what is shown of it
     for (const Vec3& middle : {Vec3((a + b) / 2), Vec3((b + c) / 2), Vec3((c + a) / 2)})
       add_square(sum, six_of(normal, (middle - center).cross(normal)), area / 3);
     whole += area;
   }
-  const Real thickness = std::sqrt(whole / (16 * std::numbers::pi));
+  const Real thickness =
+      along ? whole / (2 * std::numbers::pi * extent[*along]) : std::sqrt(whole / (16 * std::numbers::pi));
   for (Real& one : sum) one *= water * thickness;
   return sum;
 }
@@ -99,8 +105,7 @@ RigidBody::RigidBody(const BodySettings& settings, const Shape& solid, const Vec
   state_.momentum = mass_ * settings.velocity;
   state_.angular_momentum = inertia * settings.angular_velocity;
   state_.last_twist = six_of(state_.velocity, state_.angular_velocity);
-  const Real size = (solid.bounds().max - solid.bounds().min).maxCoeff();
-  first_added_ = first_added_mass(solid.surface(size / 200), center_, water);
+  first_added_ = first_added_mass(solid, center_, water);
   revolution_ = axes_of_revolution(settings);
   state_.added_mass = first_added_;
   if (!mooring_) return;
