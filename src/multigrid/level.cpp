@@ -1,6 +1,7 @@
 #include "multigrid/level.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "multigrid/column_loops.hpp"
 
@@ -221,7 +222,19 @@ Real MultigridLevel::fraction_of_link(const LevelShape& coarse, std::size_t a, L
   return static_cast<Real>(shape_.distance_below(a, 2 * k)) / coarse.distance_below(a, k);
 }
 
-void MultigridLevel::coarsen(MultigridLevel& coarse, const CellRows& made) const {
+namespace {
+
+// A link of a coarse cell from the sum of the finer ones, and from the sums of those inside the two coarse cells beyond
+// it. Between their centres these count as well, in series and by half. Only weak links are treated so.
+Real of_coarse(Real sum, Real fraction, Real inside_below, Real inside_above) {
+  constexpr Real weak = 0.25;
+  if (sum == 0 || sum > weak * std::min(inside_below, inside_above)) return sum * fraction;
+  return sum * std::max(fraction, 1 / (1 + sum / 2 * (1 / inside_below + 1 / inside_above)));
+}
+
+}  // namespace
+
+void MultigridLevel::coarsen(MultigridLevel& coarse, const CellRows& made, bool among_solids) const {
   const LevelShape& to = coarse.shape_;
   const std::size_t row = shape_.step(1), plane = shape_.step(0);
   for_each_row(made, [&](LocalId k, LocalId r) {
@@ -234,8 +247,18 @@ void MultigridLevel::coarsen(MultigridLevel& coarse, const CellRows& made) const
     };
     for (std::size_t c = 0; c < static_cast<std::size_t>(to.columns); ++c) {
       const std::size_t i = of.first + c;
-      coarse.link[0][at + c] = (link[0][i] + of.rows * link[0][i + row]) * over_planes;
-      coarse.link[1][at + c] = (link[1][i] + of.planes * link[1][i + plane]) * over_rows;
+      const auto across_planes = [&](std::size_t n) { return link[0][n] + of.rows * link[0][n + row]; };
+      const auto across_rows = [&](std::size_t n) { return link[1][n] + of.planes * link[1][n + plane]; };
+      const Real planes = across_planes(i), rows = across_rows(i);
+      if (among_solids) {
+        coarse.link[0][at + c] = of_coarse(planes, over_planes, across_planes(i - plane),
+                                           of.planes > 0 ? across_planes(i + plane) : INFINITY);
+        coarse.link[1][at + c] =
+            of_coarse(rows, over_rows, across_rows(i - row), of.rows > 0 ? across_rows(i + row) : INFINITY);
+      } else {
+        coarse.link[0][at + c] = planes * over_planes;
+        coarse.link[1][at + c] = rows * over_rows;
+      }
       coarse.link[2][at + c] = sum(link[2], i);
       coarse.dirichlet[at + c] = sum(dirichlet, i);
     }

@@ -4,7 +4,10 @@
 // links to points where phi is 0: the free surface. Other cells have no links, and phi = 0. Columns keep their cells on
 // all levels; planes and rows are coarsened by two. A coarse cell represents up to four finer ones. Its Dirichlet
 // diagonal, upward link and right-hand side are sums over these; its horizontal links are half of the sums, because
-// their distance is doubled. The correction of a coarse cell is added to all of its cells.
+// their distance is doubled. The correction of a coarse cell is added to all of its cells. An opening between solids is
+// a link so weak that phi jumps there and hardly changes on its two sides: it keeps its strength on coarser levels.
+// Halved on each of them, such links gave corrections several times too large, and phi of water in a pocket grew from
+// cycle to cycle.
 //
 // A sweep solves each column exactly, with the previous values of its neighbours (line Jacobi), and is damped. Pressure
 // acts mostly in the vertical direction, and with whole columns nothing depends on the depth. Arrays have a ring of
@@ -85,8 +88,9 @@ class MultigridLevel {
   void repeat(Borrowed<Real>& field) const;
 
   /// Computes links and Dirichlet diagonals of the cells `made` of `coarse`. Needs those of the plane above the owned
-  /// planes of this level, and of the row after the owned rows.
-  void coarsen(MultigridLevel& coarse, const CellRows& made) const;
+  /// planes of this level, and of the row after the owned rows; among solids also the links of the plane below and of
+  /// the row before.
+  void coarsen(MultigridLevel& coarse, const CellRows& made, bool among_solids) const;
   /// Computes rhs of the cells `made` of `coarse` from the residual in `next`, ghosts included.
   void restrict_residual(MultigridLevel& coarse, const CellRows& made) const;
   /// Adds phi of `coarse` to phi of this level, ghosts included.

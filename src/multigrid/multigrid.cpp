@@ -110,11 +110,11 @@ void Multigrid::gather(std::size_t l, std::initializer_list<Borrowed<Real>*> fie
 }
 
 // Fields of the coarse levels from those of the finest, and the values that levels lack in their ghost planes.
-void Multigrid::join_levels(Halo& halo) {
+void Multigrid::join_levels(Halo& halo, bool among_solids) {
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     MultigridLevel& cells = levels_[l].cells;
     if (l > 0) {
-      levels_[l - 1].cells.coarsen(cells, levels_[l].made);
+      levels_[l - 1].cells.coarsen(cells, levels_[l].made, among_solids);
       complete(l, {&cells.link[0], &cells.link[1], &cells.link[2], &cells.dirichlet}, halo);
     } else {
       complete(l, {&cells.dirichlet}, halo);
@@ -122,6 +122,10 @@ void Multigrid::join_levels(Halo& halo) {
       if (cells.shape().rows_are_cut()) complete(l, {&cells.link[0], &cells.link[1], &cells.link[2]}, halo);
     }
     for (auto& field : cells.link) cells.repeat(field);
+    if (among_solids && !levels_[l].gathered && l + 1 < levels_.size()) {  // also of the cells before the own ones
+      exchange(levels_[l], halo, cells.link[0]);
+      if (cells.shape().rows_are_cut()) exchange(levels_[l], halo, cells.link[1]);
+    }
     cells.factor();
     exchange(levels_[l], halo, cells.per_pivot);
   }
@@ -141,13 +145,13 @@ void Multigrid::complete(std::size_t l, std::initializer_list<Borrowed<Real>*> f
   halo.finish();
 }
 
-void Multigrid::solve(Halo& halo, int cycles) {
+void Multigrid::solve(Halo& halo, int cycles, bool among_solids) {
   finest().borrow_for_cycles(*scratch_);
   for (std::size_t l = 1; l < levels_.size(); ++l) {
     levels_[l].cells.borrow_equation(*scratch_);
     levels_[l].cells.borrow_for_cycles(*scratch_);
   }
-  join_levels(halo);
+  join_levels(halo, among_solids);
   finest().repeat(finest().phi);
   if (finest().shape().rows_are_cut()) exchange(levels_[0], halo, finest().phi);
   improve(halo, cycles);

@@ -39,7 +39,8 @@ class Multigrid {
   void give_back() { levels_[0].cells.give_back(); }
 
   /// Improves phi of the finest level, ghost planes included, in memory that give_back_all_but_phi() gives back.
-  void solve(Halo& halo, int cycles);
+  /// `among_solids`: whether links may be weak compared with those around them, as in the openings that solids leave.
+  void solve(Halo& halo, int cycles, bool among_solids = false);
   /// The same once more if nothing but the right-hand side has changed.
   void improve(Halo& halo, int cycles);
 
@@ -56,7 +57,7 @@ class Multigrid {
   CellWindow own_window(std::size_t l) const;
   void exchange(Level& level, Halo& halo, Borrowed<Real>& field) const;
   bool is_gathered_here(std::size_t l) const { return l > 0 && levels_[l].gathered && !levels_[l - 1].gathered; }
-  void join_levels(Halo& halo);
+  void join_levels(Halo& halo, bool among_solids);
   void complete(std::size_t l, std::initializer_list<Borrowed<Real>*> fields, Halo& halo);
   void gather(std::size_t l, std::initializer_list<Borrowed<Real>*> fields);
   void cycle(Halo& halo);

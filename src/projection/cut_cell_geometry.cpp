@@ -202,7 +202,8 @@ void CutCells::measure_face(std::size_t a, const Vec3& corner, const Candidates&
       moment[1] += part.area * sample_at[j] + part.moment[1] / samples;
     }
   }
-  cell.face[a] = static_cast<float>(sum / (samples * samples));
+  const Real open = sum / (samples * samples);
+  cell.face[a] = open > 0 && open < hair && is_hair_beside_body(place(middle), bodies) ? 0 : static_cast<float>(open);
   for (std::size_t i = 0; i < 2 && sum > 0; ++i) cell.middle[a][i] = static_cast<float>(moment[i] / sum);
 }
 
@@ -303,11 +304,22 @@ bool CutCells::reaches_open(const Vec3& corner, const Bodies& bodies) const {
   return false;
 }
 
+// In two dimensions there are no walls on both sides of the layer.
+bool CutCells::is_at_wall(const Vec3& p) const {
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Real size = size_[static_cast<Eigen::Index>(a)], low = box_.min[axis_[a]], high = box_.max[axis_[a]];
+    if (high - low > 1.5 * size && std::min(p[axis_[a]] - low, high - p[axis_[a]]) < size) return true;
+  }
+  return false;
+}
+
 // Whether a sliver may be what is open between a freely moving body that touches another solid and that.
 bool CutCells::is_hair_beside_body(const Vec3& middle, const Bodies& bodies) const {
-  if (!any_floats() || bodies.size() < 2) return false;
+  if (!any_floats()) return false;
+  const bool at_wall = is_at_wall(middle);
+  if (bodies.size() < 2 && !at_wall) return false;
   const SolidsNear solids = solids_near(middle, size_.norm() / 2, bodies);
-  return !solids.bodies.empty() && solids.bodies.size() + solids.others.size() > 1;
+  return !solids.bodies.empty() && (at_wall || solids.bodies.size() + solids.others.size() > 1);
 }
 
 CutCells::Cell CutCells::cell_at(const Vec3& corner, Candidates& candidates) const {

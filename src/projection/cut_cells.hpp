@@ -276,6 +276,7 @@ class CutCells {
   bool are_clear(const Bodies& bodies) const;
   Real solid_part(const Vec3& corner, const Bodies& bodies) const;
   Real open_at(const Vec3& corner, const Bodies& bodies, Samples& at, Cell& cell) const;
+  bool is_at_wall(const Vec3& p) const;
   bool is_hair_beside_body(const Vec3& middle, const Bodies& bodies) const;
   bool reaches_open(const Vec3& corner, const Bodies& bodies) const;
   // See cut_cell_capacity.cpp.

@@ -140,6 +140,8 @@ void EnclosedWater::join_cells(const FreeSurface& surface, MPI_Comm comm, const 
     if (surface.holds_particles(cells_[i]))
       part.volume += std::llround(surface.open(cells_[i]) * static_cast<Real>(whole_cell));
     names[cells_[i]] = part.name;
+    const CutCells* const cuts = surface.cuts();
+    if (cuts != nullptr && cuts->any_floats() && cuts->is_pushed(cells_[i])) part.has_body = 1;
   }
 }
 
@@ -185,6 +187,7 @@ void EnclosedWater::join_parts(MPI_Comm comm, const std::vector<Edge>& edges) {
     if (root == k) continue;
     all[root].volume += all[k].volume;
     all[root].has_surface |= all[k].has_surface;
+    all[root].has_body |= all[k].has_body;
   }
   shared_.assign(parts_.size(), 0);
   for (std::size_t k = 0; k < parts_.size(); ++k) {
@@ -194,6 +197,7 @@ void EnclosedWater::join_parts(MPI_Comm comm, const std::vector<Edge>& edges) {
     shared_[k] = piece_of[number];
     parts_[k].volume = piece.volume;
     parts_[k].has_surface = piece.has_surface;
+    parts_[k].has_body = piece.has_body;
   }
 }
 
@@ -202,7 +206,7 @@ void EnclosedWater::keep_enclosed(const FreeSurface& surface, Halo& halo) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const Part& part = parts_[part_of_[i]];
-    if (part.has_surface != 0 || part.volume < whole_cell) continue;
+    if (part.has_surface != 0 || part.volume < (part.has_body != 0 ? 1 : whole_cell)) continue;
     cells_[kept] = cells_[i];
     part_of_[kept++] = part_of_[i];
   }
@@ -242,18 +246,37 @@ std::vector<EnclosedWater::Flow> EnclosedWater::sums_over_pieces(MPI_Comm comm, 
   return found;
 }
 
-void EnclosedWater::set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi, Real largest) const {
-  if (all_) return set_common_origin(surface, halo.comm(), phi, largest);
-  std::vector<Real> most(parts_.size(), -INFINITY), of_shared(shared_pieces_ + 1, -INFINITY);
-  for (std::size_t i = 0; i < cells_.size(); ++i) most[part_of_[i]] = std::max(most[part_of_[i]], phi[cells_[i]]);
-  for (std::size_t k = 0; k < parts_.size(); ++k) of_shared[shared_[k]] = std::max(of_shared[shared_[k]], most[k]);
-  if (shared_pieces_ > 0)
-    all_reduce(halo.comm(), of_shared.data(), static_cast<int>(of_shared.size()), MPI_DOUBLE, MPI_MAX);
+void EnclosedWater::set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi,
+                                std::span<const Real> origins) const {
+  if (all_) return set_common_origin(surface, halo.comm(), phi, origins[0]);
+  const std::vector<Real> most = largest_of_parts(halo.comm(), phi, INFINITY);
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const std::size_t part = part_of_[i];
-    phi[cells_[i]] -= (shared_[part] > 0 ? of_shared[shared_[part]] : most[part]) - largest;
+    phi[cells_[i]] -= most[part] - origins[part];
   }
   surface.grid().exchange(halo, phi);
+}
+
+std::vector<Real> EnclosedWater::origins(MPI_Comm comm, const Borrowed<Real>& phi, Real largest) const {
+  if (all_) return {largest};
+  std::vector<Real> found = largest_of_parts(comm, phi, 0);
+  for (std::size_t k = 0; k < parts_.size(); ++k)
+    if (parts_[k].has_body == 0 || !std::isfinite(found[k])) found[k] = largest;
+  return found;
+}
+
+// For each part of this rank, the largest phi of its piece among values less than `below`.
+std::vector<Real> EnclosedWater::largest_of_parts(MPI_Comm comm, const Borrowed<Real>& phi, Real below) const {
+  std::vector<Real> most(parts_.size(), -INFINITY), of_shared(shared_pieces_ + 1, -INFINITY);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const Real here = phi[cells_[i]];
+    if (here < below) most[part_of_[i]] = std::max(most[part_of_[i]], here);
+  }
+  for (std::size_t k = 0; k < parts_.size(); ++k) of_shared[shared_[k]] = std::max(of_shared[shared_[k]], most[k]);
+  if (shared_pieces_ > 0) all_reduce(comm, of_shared.data(), static_cast<int>(of_shared.size()), MPI_DOUBLE, MPI_MAX);
+  for (std::size_t k = 0; k < parts_.size(); ++k)
+    if (shared_[k] > 0) most[k] = of_shared[shared_[k]];
+  return most;
 }
 
 void EnclosedWater::set_common_origin(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& phi, Real largest) {

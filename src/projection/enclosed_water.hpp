@@ -39,8 +39,11 @@ class EnclosedWater {
   };
   /// For each of these flows, the sums of the flows of all ranks in the same piece.
   std::vector<Flow> sums_over_pieces(MPI_Comm comm, const std::vector<Flow>& flows) const;
-  /// Shifts phi of each piece so that its largest value, m², is this, also in ghost cells.
-  void set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi, Real largest) const;
+  /// The largest phi, m², that the pieces on this rank are to have: `largest`, or beside a floating body that of water
+  /// at rest, of which `phi` is a guess.
+  std::vector<Real> origins(MPI_Comm comm, const Borrowed<Real>& phi, Real largest) const;
+  /// Shifts phi of each piece so that its largest value is this, also in ghost cells.
+  void set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi, std::span<const Real> origins) const;
   void give_back() { marks_.give_back(); }
 
  private:
@@ -49,6 +52,7 @@ class EnclosedWater {
     GlobalId name;    // unique over all ranks, from 1
     GlobalId volume;  // of its cells with particles, as far as they are open, in millionths of a cell
     GlobalId has_surface;
+    GlobalId has_body;  // whether a cell of it pushes a floating body
   };
   struct Edge {
     GlobalId from, to;  // names of parts that touch
@@ -63,6 +67,7 @@ class EnclosedWater {
   std::vector<Edge> edges_between(const FreeSurface& surface, const Borrowed<GlobalId>& names);
   void join_parts(MPI_Comm comm, const std::vector<Edge>& edges);
   void keep_enclosed(const FreeSurface& surface, Halo& halo);
+  std::vector<Real> largest_of_parts(MPI_Comm comm, const Borrowed<Real>& phi, Real below) const;
   static void set_common_origin(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& phi, Real largest);
 
   bool all_ = false;                  // whether none of the water has a surface, without obstacles

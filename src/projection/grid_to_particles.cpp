@@ -167,6 +167,18 @@ Real GridToParticles::through_closed(const CellFace& face, LocalId k, LocalId r,
   return held.n == 0 ? by_wall : bounded(by_wall, wall - held.u[grid.axis(face.a)] / held.n);
 }
 
+// Through what a moving solid leaves open of a face, water is no faster than the pressure can make it on its way, by
+// Bernoulli's equation. Where the water's surface is near the face, its displacement in a whole step would be more: a
+// box that fell beside a ball threw a particle at 13 m/s through a tenth of a face.
+Real GridToParticles::through_open(const Pressure& pressure, std::size_t a, std::size_t face, std::size_t at) const {
+  const Real displacement = pressure.displacement(surface_, a, face);
+  const CutCells* cuts = surface_.cuts();
+  if (cuts == nullptr || cuts->face(a, face) == 1 || !cuts->moves_in_water(at)) return displacement;
+  const Real difference = std::abs(pressure.phi_so_far(face) - pressure.phi_so_far(face - surface_.grid().step(a)));
+  const Real farthest = std::max(std::sqrt(2 * difference), step_.g_dt2);
+  return std::clamp(displacement, -farthest, farthest);
+}
+
 GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, std::size_t a, LocalId k, LocalId r,
                                                     LocalId c) const {
   const ProjectionGrid& grid = surface_.grid();
@@ -183,7 +195,7 @@ GridToParticles::FacePair GridToParticles::faces_of(const Pressure& pressure, st
     const std::size_t face = grid.index_of(of, at);
     known = closed ? wet : surface_.is_wet(face) || surface_.is_wet(face - grid.step(a));
     if (!known) return 0.0;
-    return closed ? through_closed(of, k, r, c) : pressure.displacement(surface_, a, face);
+    return closed ? through_closed(of, k, r, c) : through_open(pressure, a, face, at);
   };
   bool low_known = false, high_known = false;
   pair.low = through(lower, pair.low_closed, low_known);

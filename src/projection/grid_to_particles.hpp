@@ -117,6 +117,7 @@ class GridToParticles {
   Real mixed_difference(const Pressure& pressure, LocalId k, LocalId r, LocalId c) const;
   void move_back_across(const Pressure& pressure, LocalId k, LocalId r, LocalId c, CellDisplacement& by) const;
   Real moved(std::size_t a, std::size_t face) const;
+  Real through_open(const Pressure& pressure, std::size_t a, std::size_t face, std::size_t at) const;
   Real through_closed(const CellFace& face, LocalId k, LocalId r, LocalId c) const;
   Real rate(Real rest2) const;
   Real part_of_noise(LocalId k, LocalId r, LocalId c, Real rest2) const;

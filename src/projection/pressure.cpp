@@ -8,7 +8,7 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   const ProjectionGrid& grid = surface.grid();
   const LocalId planes = grid.planes();
   enclosed_ = &surface.enclosed();
-  largest_enclosed_ = -step.g_dt2 * grid.size()[2] / 2;
+  among_solids_ = surface.cuts() != nullptr;
   const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
   multigrid_.resize(halo.cuts(), grid.count(1), grid.columns(), step.depth);
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
@@ -26,9 +26,11 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   }
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { set_hydrostatic_guess(surface, step.g_dt2, k, r); });
+  if (enclosed_->any())
+    origins_ = enclosed_->origins(halo.comm(), multigrid_.finest().phi, -step.g_dt2 * grid.size()[2] / 2);
 }
 
-void Pressure::begin(Halo& halo) { multigrid_.solve(halo, enclosed_->any() ? closed_cycles : cycles); }
+void Pressure::begin(Halo& halo) { multigrid_.solve(halo, enclosed_->any() ? closed_cycles : cycles, among_solids_); }
 
 void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change) {
   const Real size = surface.grid().size()[static_cast<Eigen::Index>(a)];
@@ -39,14 +41,14 @@ void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t 
 }
 
 void Pressure::show(const FreeSurface& surface, Halo& halo) {
-  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi, largest_enclosed_);
+  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi, origins_);
   surface.grid().complete(halo, multigrid_.finest().phi);
 }
 
 void Pressure::finish(const FreeSurface& surface, Halo& halo) {
   const ProjectionGrid& grid = surface.grid();
   multigrid_.give_back_all_but_phi();
-  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi, largest_enclosed_);
+  if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi, origins_);
   for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
     Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
     for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);

@@ -95,8 +95,10 @@ class Pressure {
   void set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r);
 
   const EnclosedWater* enclosed_ = nullptr;  // that of the surface, since assemble()
-  // Where phi is largest in water without a surface, m²: the pressure is 0 at the upper face of that cell.
-  Real largest_enclosed_ = 0;
+  // The largest phi of each piece of water without a surface, m²: the pressure is 0 at the upper face of that cell, or
+  // beside a floating body that of water at rest.
+  std::vector<Real> origins_;
+  bool among_solids_ = false;
   std::vector<Inflow> inflow_;
   std::vector<EnclosedWater::Flow> through_walls_;  // into water without a surface
   // Its links first hold the weight of each face: the open fraction of its area, divided by the mass of the water there
