@@ -33,11 +33,12 @@ class Pressure {
       : multigrid_(comm, repeats, Multigrid::few_cells, std::move(scratch)) {}
 
   /// Data of a step: the displacement by gravity g dt², m; the fraction of a cell's deviation from its volume that is
-  /// removed in the step, which without gravity depends on the distance that the water travels; and the largest depth
-  /// of the water, in cells.
+  /// removed in the step, which without gravity depends on the distance that the water travels; the largest depth of
+  /// the water, in cells; and the number of particles in a full cell.
   struct Step {
     Real g_dt2, return_fraction;
     int depth;
+    Real particles;
   };
   /// Assembles the equation, after which fills of cells are no longer needed; runs the first cycles; runs more cycles;
   /// and completes the pressure.
@@ -89,6 +90,7 @@ class Pressure {
   static bool stands_on_floor(const FreeSurface& surface, const Openings::Gain& gain);
   void drop_air_links(const FreeSurface& surface, LocalId k, LocalId r);
   Real divergence(const FreeSurface& surface, std::size_t at, bool moved) const;
+  Real without_filling(const FreeSurface& surface, const Step& step, std::size_t at, Real flow) const;
   Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;
   bool may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const;
   void guess_below(const FreeSurface& surface, Real step, std::size_t begin, std::size_t end);
