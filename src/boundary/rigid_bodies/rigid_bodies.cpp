@@ -41,11 +41,13 @@ RigidBodies::RigidBodies(const Settings& settings, const std::vector<std::unique
   for (const BodySettings& body : settings.bodies) {
     const Body& solid = *all[first_ + bodies_.size()];
     arm_unit_.push_back(arm_unit_of(solid.radius(), h_));
+    is_smooth_.push_back(body.friction == 0 && !no_slip_);
     bodies_.emplace_back(body, solid.shape(), settings.gravity.value_or(Vec3::Zero()), settings.fluid.rest_density);
   }
   given_.resize(bodies_.size());
   moved_.resize(bodies_.size(), Vec3::Zero());
   spurious_.resize(bodies_.size(), Vec3::Zero());
+  spun_.resize(bodies_.size(), Vec3::Zero());
   expected_.resize(bodies_.size());
   met_.for_each([&](auto& sums) { sums.assign(numbers * bodies_.size(), 0); });
   begin(0);
@@ -151,6 +153,10 @@ Six RigidBodies::take_pressure(std::size_t k, const TotalImpulse& pushes) {
   return six_of(along_of(found), about_of(found) - spurious_[k]);
 }
 
+Vec3 RigidBodies::spin_without_friction(std::size_t k, const Vec3& moment) const {
+  return is_smooth_[k] ? bodies_[k].about_axes_of_revolution(moment) : Vec3(Vec3::Zero());
+}
+
 Real RigidBodies::passed_by(std::size_t k, const TotalImpulse& push) const {
   const Vec3 moment = push.moment - moved_[k].cross(push.shift);
   const Vec3 counted = moment - bodies_[k].about_axes_of_revolution(moment);
@@ -161,7 +167,8 @@ void RigidBodies::give(std::span<const TotalImpulse> all) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     moved_[k] = bodies_[k].midway_position() - bodies_[k].state().position;
     given_[k] = impulse_of(all[first_ + k]);
-    bodies_[k].give(given_[k]);
+    spun_[k] = spin_without_friction(k, about_of(given_[k]));
+    bodies_[k].give(plus(given_[k], six_of(Vec3::Zero(), spun_[k]), -1));
   }
 }
 
@@ -193,8 +200,9 @@ void RigidBodies::hear(std::span<const Six> pressure) {
 void RigidBodies::finish(std::span<const TotalImpulse> all) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Six total = impulse_of(all[first_ + k]);
-    bodies_[k].give(about_midway(k, plus(total, given_[k], -1)));
-    bodies_[k].give(six_of(Vec3::Zero(), -spurious_[k]));
+    const Six rest = about_midway(k, plus(total, given_[k], -1));
+    if (is_smooth_[k]) spurious_[k] = spun_[k] + spin_without_friction(k, about_of(rest));
+    bodies_[k].give(plus(rest, six_of(Vec3::Zero(), spurious_[k] - spun_[k]), -1));
     bodies_[k].finish(contacts_.touches(k) ? RigidBody::Push::full : push_of(total, bodies_[k].weight() * dt_));
   }
 }

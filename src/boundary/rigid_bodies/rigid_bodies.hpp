@@ -72,13 +72,16 @@ class RigidBodies {
   /// `push` is what the pressure would give to the body, about the same point and in any unit. This is the transpose of
   /// take_pressure(): the moment about axes of revolution does no work.
   Real passed_by(std::size_t k, const TotalImpulse& push) const;
-  /// The last moment that was removed, as the ledger holds it.
+  /// The moments that were removed in the substep, as the ledger holds them.
   Vec3 spurious_moment(std::size_t k) const { return spurious_[k] * (-dt_ / water_mass_); }
 
  private:
   // The impulse of an account of the ledger, about the centre at the start of the substep.
   Six impulse_of(const TotalImpulse& given) const;
   Six about_midway(std::size_t k, const Six& impulse) const;
+  // The part of a moment of the water, N m s, that would spin a body without friction about an axis of revolution. The
+  // impulses act where the centre is on its way, which their moments do not know.
+  Vec3 spin_without_friction(std::size_t k, const Vec3& moment) const;
   void place();
 
   const std::vector<std::unique_ptr<Body>>* all_;
@@ -88,11 +91,13 @@ class RigidBodies {
   Real h_, dt_ = 0;
   bool no_slip_;  // a spin about an axis of revolution takes water along only where walls hold it
   std::vector<RigidBody> bodies_;
-  std::vector<Real> arm_unit_;  // m, in which arms of what they meet are counted
-  std::vector<Six> given_;      // by the ledger before the projection
-  std::vector<Vec3> moved_;     // displacements of the centres to where cells are cut, m
-  std::vector<Vec3> spurious_;  // moments of the last pressure about axes of revolution, N m s
-  std::vector<Six> expected_;   // twists without the particles that bounce
+  std::vector<Real> arm_unit_;   // m, in which arms of what they meet are counted
+  std::vector<Six> given_;       // by the ledger before the projection
+  std::vector<Vec3> moved_;      // displacements of the centres to where cells are cut, m
+  std::vector<Vec3> spurious_;   // moments of the last pressure about axes of revolution, N m s
+  std::vector<Vec3> spun_;       // the same of what particles gave that bounced before
+  std::vector<Six> expected_;    // twists without the particles that bounce
+  std::vector<bool> is_smooth_;  // without friction
   Contacts contacts_;
   static constexpr std::size_t numbers = 27;  // of what a body meets: 6 sums, and 21 of a symmetric matrix
   PerThread<std::vector<std::int64_t>> met_;

@@ -9,7 +9,7 @@ void EnergyRise::add(const Diagnostics& row, Real supplied, Real of_bodies) {
   constexpr Real compressed = 0.01;
   const Real energy = row.kinetic_energy + row.potential_energy - supplied;
   if (std::isnan(start_)) {
-    if (!(row.compression_max <= compressed)) return;
+    if (!(row.compression_mean <= compressed)) return;
     start_ = highest_ = energy;
     const auto count = static_cast<Real>(row.particles);
     const Real weight = mass_ * g_ * count;

@@ -5,7 +5,7 @@
 // initial kinetic energy (the definition of the stability study, postprocess/study.py). The scale of supplied water is
 // the largest energy that it has or was given. As a fraction of the moving part, the initial energy above that of the
 // same water at rest, the scale of a wave is its own energy. A compressed initial state may well push the water apart:
-// the account begins with the first row that is not compressed. Not collective; the same rows give the same fractions
+// the account begins with the first row that is not compressed in the mean. Not collective; the same rows give the same fractions
 // on all ranks. May be copied as bytes.
 #pragma once
 
@@ -24,7 +24,7 @@ class EnergyRise {
   /// Water at rest is level in a closed box with this floor area, m², and nothing in it; particles are `spacing` apart.
   void set_tank(Real floor, Real spacing) { floor_ = floor, spacing_ = spacing; }
 
-  /// Adds the next row; the first that is compressed by at most 1 % is the start. `of_bodies`: the kinetic energy of
+  /// Adds the next row; the first whose mean compression is at most 1 % is the start. `of_bodies`: the kinetic energy of
   /// bodies, J, whose changes count as supplied: exact to a fraction of that energy alone.
   void add(const Diagnostics& row, Real supplied = 0, Real of_bodies = 0);
 
