@@ -184,7 +184,7 @@ TEST(EnergyRise, WithoutGravityIsAFractionOfTheMotionAtTheStart) {
   for (const Real kinetic : {0.0, 3.0}) resting.add(row_of_energies(kinetic, 0));
   EXPECT_TRUE(std::isnan(resting.fraction()));
   Diagnostics dense = row_of_energies(1, 1);
-  dense.compression_max = 0.011;
+  dense.compression_mean = 0.011;
   compressed.add(dense);
   EXPECT_TRUE(std::isnan(compressed.fraction()));
   for (const Real kinetic : {30.0, 33.1}) compressed.add(row_of_energies(kinetic, 1));

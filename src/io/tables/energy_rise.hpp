@@ -5,8 +5,8 @@
 // initial kinetic energy (the definition of the stability study, postprocess/study.py). The scale of supplied water is
 // the largest energy that it has or was given. As a fraction of the moving part, the initial energy above that of the
 // same water at rest, the scale of a wave is its own energy. A compressed initial state may well push the water apart:
-// the account begins with the first row that is not compressed in the mean. Not collective; the same rows give the same fractions
-// on all ranks. May be copied as bytes.
+// the account begins with the first row that is not compressed in the mean. Not collective; the same rows give the same
+// fractions on all ranks. May be copied as bytes.
 #pragma once
 
 #include <cmath>
