@@ -124,7 +124,7 @@ void Multigrid::join_levels(Halo& halo, bool among_solids) {
     for (auto& field : cells.link) cells.repeat(field);
     if (among_solids && !levels_[l].gathered && l + 1 < levels_.size()) {  // also of the cells before the own ones
       exchange(levels_[l], halo, cells.link[0]);
-      if (cells.shape().rows_are_cut()) exchange(levels_[l], halo, cells.link[1]);
+      if (cuts_.parts > 1) exchange(levels_[l], halo, cells.link[1]);
     }
     cells.factor();
     exchange(levels_[l], halo, cells.per_pivot);

@@ -18,7 +18,9 @@ struct Lake {
   LocalId planes, rows, columns;
   LocalId depth, roughness;
   Real holes;
-  Repeats repeats{};  // along planes and rows
+  Repeats repeats{};   // along planes and rows
+  Range pocket{0, 0};  // planes whose water has no surface, and hardly any opening to the rest
+  Real opening = 1;    // what is open at its two ends
 
   // A number in [0, 1) for each cell and purpose, whatever the rank.
   static Real chance(LocalId k, LocalId r, LocalId c, int purpose) {
@@ -46,6 +48,9 @@ struct Lake {
     wrap(below[0], below[1]);
     if (!is_inside(k, r, c) || !is_inside(below[0], below[1], below[2])) return 0;
     const bool high = is_wet(k, r, c), low = is_wet(below[0], below[1], below[2]);
+    const bool at_end = a == 0 && pocket.size() > 0 && (k == pocket.begin || k == pocket.end);
+    if (high != low && k >= pocket.begin && k < pocket.end) return 0;
+    if (at_end) return high && low ? 25 * opening : 0;
     if (high && low) return a == 2 ? 25 : 25 * (0.2 + chance(k, r, c, 3 + a));
     return high || low ? 25 / (0.05 + chance(k, r, c, 3 + a)) : 0;
   }
@@ -124,12 +129,13 @@ Real energy_norm(MultigridLevel& cells) {
 Real share_left(const Lake& lake) {
   Tank run(lake);
   MultigridLevel& cells = run.multigrid.finest();
+  const bool among_solids = lake.pocket.size() > 0;
   std::fill(cells.rhs.begin(), cells.rhs.end(), 0.0);
-  run.multigrid.solve(run.halo, 0);
+  run.multigrid.solve(run.halo, 0, among_solids);
   Real largest = 0;
   for (int cycle = 0; cycle < 6; ++cycle) {
     const Real before = energy_norm(cells);
-    run.multigrid.solve(run.halo, 1);
+    run.multigrid.solve(run.halo, 1, among_solids);
     largest = std::max(largest, energy_norm(cells) / before);
   }
   return largest;
@@ -160,6 +166,19 @@ TEST(Multigrid, ACycleLeavesAQuarterOfAnErrorWhereTheBoxRepeats) {
   }
 }
 
+// Water that is connected to the rest by a small opening: with links that are halved on each level, the error of its
+// mean grew by up to six times in a cycle, and now what is left of it falls more slowly than elsewhere.
+TEST(Multigrid, NoErrorGrowsInAPocket) {
+  for (const Real opening : {0.1, 0.02, 1e-3}) {
+    for (const Range pocket : {Range{5, 11}, Range{6, 12}, Range{9, 16}}) {
+      for (const LocalId rows : {1, 6}) {
+        SCOPED_TRACE(opening);
+        EXPECT_LT(share_left({24, rows, 12, 10, 0, 0, {}, pocket, opening}), 1);
+      }
+    }
+  }
+}
+
 // Water up to the ceiling: nothing holds phi, and nothing grows.
 TEST(Multigrid, AFullBoxIsHarmless) {
   for (const LocalId planes : {1, 9}) {
@@ -172,8 +191,8 @@ TEST(Multigrid, AFullBoxIsHarmless) {
 
 void expect_same_as_alone(const Lake& lake, int kind, GlobalId gathered) {
   Tank many(world, lake, cuts_of(lake, kind, size_of(world)), gathered), one(lake);
-  many.multigrid.solve(many.halo, 2);
-  one.multigrid.solve(one.halo, 2);
+  many.multigrid.solve(many.halo, 2, lake.pocket.size() > 0);
+  one.multigrid.solve(one.halo, 2, lake.pocket.size() > 0);
   const MultigridLevel& mine = many.multigrid.finest();
   const auto first = static_cast<std::size_t>(mine.shape().first);
   const std::size_t plane = mine.shape().step(0), values = mine.phi.size();
@@ -185,8 +204,8 @@ void expect_same_in_parts(const Lake& lake, int kind, GlobalId gathered, int par
   const LocalId planes = cuts.window(rank_of(world)).planes.size();
   const Range rows = cuts.window(rank_of(world)).rows;
   Tank many(world, lake, cuts, gathered), one(lake);
-  many.multigrid.solve(many.halo, 2);
-  one.multigrid.solve(one.halo, 2);
+  many.multigrid.solve(many.halo, 2, lake.pocket.size() > 0);
+  one.multigrid.solve(one.halo, 2, lake.pocket.size() > 0);
   const MultigridLevel &mine = many.multigrid.finest(), &all = one.multigrid.finest();
   for (LocalId k = 0; k < planes + 2; ++k) {
     for (LocalId r = -1; r <= rows.size(); ++r) {
@@ -210,6 +229,7 @@ TEST(Multigrid, SameBitsWithCutsInSlabs) {
           expect_same_in_parts({planes, 20, 60, 50, 6, 0.1}, kind, gathered, parts);
           expect_same_in_parts({planes, 7, 14, 11, 6, 0.1, {true, true}}, kind, gathered, parts);
           expect_same_in_parts({planes, 12, 60, 50, 6, 0, {false, true}}, kind, gathered, parts);
+          expect_same_in_parts({planes, 12, 14, 11, 6, 0, {}, {2, 4}, 0.02}, kind, gathered, parts);
         }
       }
     }
@@ -228,6 +248,7 @@ TEST(Multigrid, SameBitsOnAnyRanksCutsAndThreads) {
         expect_same_as_alone({planes, 1, 300, 290, 6, 0}, kind, gathered);
         expect_same_as_alone({planes, 7, 14, 11, 6, 0.1, {true, true}}, kind, gathered);
         expect_same_as_alone({planes, 4, 60, 50, 6, 0, {true, false}}, kind, gathered);
+        expect_same_as_alone({planes, 7, 14, 11, 6, 0, {}, {2, 4}, 0.02}, kind, gathered);
       }
     }
   }
