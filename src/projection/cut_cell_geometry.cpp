@@ -17,7 +17,7 @@ constexpr Real min_open = 2e-4;
 constexpr Real sliver = 3e-3, min_reach = 1e-6;
 // The same for what is left between a freely moving body and another solid that it touches: a few such cells, open to
 // each other and to hardly any others, had a pressure of sixty times that of their depth as the body moved.
-constexpr Real hair = 0.01;
+constexpr Real hair = 0.03;
 // Square of the slope of the distance below which an edge is near.
 constexpr Real flat = 0.9;
 // Of a distance of one sample, which is that of places behind which solids touch (depth_below()).
