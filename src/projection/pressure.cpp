@@ -170,7 +170,7 @@ bool Pressure::stands_on_floor(const FreeSurface& surface, const Openings::Gain&
 // The divergence of a cell that a solid cuts, less the inflow that it has room for. The divergence counts the cell as
 // if it were full; water that arrived there was therefore stopped a cell in front of the solid, and gave a ball of 2.4
 // spacings up to four times its momentum, the more the shorter the step. What the weight alone would bring in a step is
-// not left out, so that water at rest keeps its pressure. A single particle has its pressure, too: without it, it
+// not left out, so that water at rest keeps its pressure. Under gravity a single particle keeps it, too: without it, it
 // gained energy as it slid down a slope.
 Real Pressure::without_filling(const FreeSurface& surface, const Step& step, std::size_t at, Real flow) const {
   const Real slow = -by_weight * step.g_dt2 / surface.grid().size()[2];
@@ -183,7 +183,7 @@ Real Pressure::without_filling(const FreeSurface& surface, const Step& step, std
     const std::size_t face = surface.grid().step(a);
     around += held(at - face) + held(at + face);
   }
-  if (around * step.particles < more_than_one) return flow;
+  if (surface.upright() && around * step.particles < more_than_one) return flow;
   return std::min(flow + surface.open(at) * std::max(full_of_cut - surface.fill(at), 0.0), slow);
 }
 
