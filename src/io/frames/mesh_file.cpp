@@ -98,7 +98,7 @@ void check_obj(const std::string& path) {
 vtkSmartPointer<vtkPolyData> read_surface(const std::string& path) {
   std::error_code ignored;  // of circular links, for instance
   if (!std::filesystem::is_regular_file(path, ignored))
-    throw InputError(path + ": there is no such file, or it is a folder; give the path of a mesh");
+    throw InputError(path + ": no such file, or it is a folder; give the path of a mesh");
   constexpr double bytes_per_byte = 4;  // memory of VTK and of ours
   require_memory(bytes_per_byte * static_cast<double>(std::filesystem::file_size(path)),
                  path + ": triangles of so large a file", "make it coarser");
