@@ -42,6 +42,7 @@ void BodyCoupling::solve(Pressure& pressure, Halo& halo, const Water& water) {
   const FreeSurface& surface = water.surface;
   films_.find(surface);
   films_.displace(surface, pressure);
+  pressure.balance(surface, halo);
   pressure.begin(halo);
   pressure.show(surface, halo);
   std::vector<Six> pressure_on = pressed(water);
@@ -52,6 +53,7 @@ void BodyCoupling::solve(Pressure& pressure, Halo& halo, const Water& water) {
     bodies.respond(pressure_on);
     cuts_.move_faces([&](std::size_t a, std::size_t at, Real change) { pressure.move_face(surface, a, at, change); });
     films_.displace(surface, pressure);
+    pressure.balance(surface, halo);
     pressure.improve(halo, projection::cycles_per_answer);
     pressure.show(surface, halo);
     pressure_on = pressed(water);

@@ -15,6 +15,8 @@ namespace {
 
 constexpr GlobalId whole_cell = 1'000'000;
 
+Real unit_of_phi(const FreeSurface& surface) { return surface.grid().size()[2] * surface.grid().size()[2]; }
+
 // Sets that are joined two by two, with the smallest member as the root of each.
 class DisjointSets {
  public:
@@ -249,34 +251,63 @@ std::vector<EnclosedWater::Flow> EnclosedWater::sums_over_pieces(MPI_Comm comm, 
 void EnclosedWater::set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi,
                                 std::span<const Real> origins) const {
   if (all_) return set_common_origin(surface, halo.comm(), phi, origins[0]);
-  const std::vector<Real> most = largest_of_parts(halo.comm(), phi, INFINITY);
+  const std::vector<Real> most = largest_of_parts(halo.comm(), phi);
+  const std::vector<Real> means = means_of_parts(surface, halo.comm(), phi, unit_of_phi(surface), INFINITY);
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const std::size_t part = part_of_[i];
-    phi[cells_[i]] -= most[part] - origins[part];
+    phi[cells_[i]] -= (has_body(part) ? means[part] : most[part]) - origins[part];
   }
   surface.grid().exchange(halo, phi);
 }
 
-std::vector<Real> EnclosedWater::origins(MPI_Comm comm, const Borrowed<Real>& phi, Real largest) const {
+std::vector<Real> EnclosedWater::origins(const FreeSurface& surface, MPI_Comm comm, const Borrowed<Real>& phi,
+                                         Real largest) const {
   if (all_) return {largest};
-  std::vector<Real> found = largest_of_parts(comm, phi, 0);
+  std::vector<Real> found = means_of_parts(surface, comm, phi, unit_of_phi(surface), 0);
   for (std::size_t k = 0; k < parts_.size(); ++k)
-    if (parts_[k].has_body == 0 || !std::isfinite(found[k])) found[k] = largest;
+    if (!has_body(k) || found[k] == 0) found[k] = largest;
   return found;
 }
 
-// For each part of this rank, the largest phi of its piece among values less than `below`.
-std::vector<Real> EnclosedWater::largest_of_parts(MPI_Comm comm, const Borrowed<Real>& phi, Real below) const {
+void EnclosedWater::balance(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& rhs) const {
+  if (all_ || !any()) return;
+  const std::vector<Real> means = means_of_parts(surface, comm, rhs, 1, INFINITY);
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (has_body(part_of_[i])) rhs[cells_[i]] -= means[part_of_[i]];
+}
+
+// For each part of this rank, the largest phi of its piece.
+std::vector<Real> EnclosedWater::largest_of_parts(MPI_Comm comm, const Borrowed<Real>& phi) const {
   std::vector<Real> most(parts_.size(), -INFINITY), of_shared(shared_pieces_ + 1, -INFINITY);
-  for (std::size_t i = 0; i < cells_.size(); ++i) {
-    const Real here = phi[cells_[i]];
-    if (here < below) most[part_of_[i]] = std::max(most[part_of_[i]], here);
-  }
+  for (std::size_t i = 0; i < cells_.size(); ++i) most[part_of_[i]] = std::max(most[part_of_[i]], phi[cells_[i]]);
   for (std::size_t k = 0; k < parts_.size(); ++k) of_shared[shared_[k]] = std::max(of_shared[shared_[k]], most[k]);
   if (shared_pieces_ > 0) all_reduce(comm, of_shared.data(), static_cast<int>(of_shared.size()), MPI_DOUBLE, MPI_MAX);
   for (std::size_t k = 0; k < parts_.size(); ++k)
     if (shared_[k] > 0) most[k] = of_shared[shared_[k]];
   return most;
+}
+
+// For each part of this rank, the mean over the cells of its piece with values less than `below`; 0 without any. Sums
+// are of integers, multiples of a small part of the unit, so that they do not depend on the ranks.
+std::vector<Real> EnclosedWater::means_of_parts(const FreeSurface& surface, MPI_Comm comm, const Borrowed<Real>& field,
+                                                Real unit, Real below) const {
+  constexpr Real fine = 1 << 30, most = 1 << 20;
+  std::vector<GlobalId> sums(2 * parts_.size(), 0), of_shared(2 * (shared_pieces_ + 1), 0);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const Real here = field[cells_[i]];
+    if (!(here < below) || surface.open(cells_[i]) == 0) continue;
+    sums[2 * part_of_[i]] += std::llround(std::clamp(here / unit, -most, most) * fine);
+    ++sums[2 * part_of_[i] + 1];
+  }
+  for (std::size_t k = 0; k < parts_.size(); ++k)
+    for (std::size_t n = 0; n < 2; ++n) of_shared[2 * shared_[k] + n] += sums[2 * k + n];
+  if (shared_pieces_ > 0) all_reduce(comm, of_shared.data(), static_cast<int>(of_shared.size()), MPI_INT64_T, MPI_SUM);
+  std::vector<Real> means(parts_.size(), 0);
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const GlobalId* const own = shared_[k] > 0 ? &of_shared[2 * shared_[k]] : &sums[2 * k];
+    if (own[1] > 0) means[k] = static_cast<Real>(own[0]) / static_cast<Real>(own[1]) / fine * unit;
+  }
+  return means;
 }
 
 void EnclosedWater::set_common_origin(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& phi, Real largest) {

@@ -39,10 +39,14 @@ class EnclosedWater {
   };
   /// For each of these flows, the sums of the flows of all ranks in the same piece.
   std::vector<Flow> sums_over_pieces(MPI_Comm comm, const std::vector<Flow>& flows) const;
-  /// The largest phi, m², that the pieces on this rank are to have: `largest`, or beside a floating body that of water
-  /// at rest, of which `phi` is a guess.
-  std::vector<Real> origins(MPI_Comm comm, const Borrowed<Real>& phi, Real largest) const;
-  /// Shifts phi of each piece so that its largest value is this, also in ghost cells.
+  /// The phi, m², that the pieces on this rank are to have: at most `largest`, or beside a floating body the mean of
+  /// water at rest, of which `phi` is a guess.
+  std::vector<Real> origins(const FreeSurface& surface, MPI_Comm comm, const Borrowed<Real>& phi, Real largest) const;
+  /// Beside floating bodies, which may open and close such water: takes off from the right-hand side of each piece what
+  /// it has no room for, the same from each of its cells. Real contacts leak as much.
+  void balance(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& rhs) const;
+  /// Shifts phi of each piece to its origin, also in ghost cells. The mean beside a body has the weights of balance(),
+  /// so that the pressure never drives a body on: with the largest value, two bodies that came apart pushed each other.
   void set_origins(const FreeSurface& surface, Halo& halo, Borrowed<Real>& phi, std::span<const Real> origins) const;
   void give_back() { marks_.give_back(); }
 
@@ -67,7 +71,10 @@ class EnclosedWater {
   std::vector<Edge> edges_between(const FreeSurface& surface, const Borrowed<GlobalId>& names);
   void join_parts(MPI_Comm comm, const std::vector<Edge>& edges);
   void keep_enclosed(const FreeSurface& surface, Halo& halo);
-  std::vector<Real> largest_of_parts(MPI_Comm comm, const Borrowed<Real>& phi, Real below) const;
+  std::vector<Real> largest_of_parts(MPI_Comm comm, const Borrowed<Real>& phi) const;
+  std::vector<Real> means_of_parts(const FreeSurface& surface, MPI_Comm comm, const Borrowed<Real>& field, Real unit,
+                                   Real below) const;
+  bool has_body(std::size_t part) const { return parts_[part].has_body != 0; }
   static void set_common_origin(const FreeSurface& surface, MPI_Comm comm, Borrowed<Real>& phi, Real largest);
 
   bool all_ = false;                  // whether none of the water has a surface, without obstacles

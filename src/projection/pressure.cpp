@@ -27,10 +27,14 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   for_each_row(grid.rows_of(own_and_above), [&](LocalId k, LocalId r) { drop_air_links(surface, k, r); });
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) { set_hydrostatic_guess(surface, step.g_dt2, k, r); });
   if (enclosed_->any())
-    origins_ = enclosed_->origins(halo.comm(), multigrid_.finest().phi, -step.g_dt2 * grid.size()[2] / 2);
+    origins_ = enclosed_->origins(surface, halo.comm(), multigrid_.finest().phi, -step.g_dt2 * grid.size()[2] / 2);
 }
 
 void Pressure::begin(Halo& halo) { multigrid_.solve(halo, enclosed_->any() ? closed_cycles : cycles, among_solids_); }
+
+void Pressure::balance(const FreeSurface& surface, Halo& halo) {
+  enclosed_->balance(surface, halo.comm(), multigrid_.finest().rhs);
+}
 
 void Pressure::move_face(const FreeSurface& surface, std::size_t a, std::size_t at, Real change) {
   const Real size = surface.grid().size()[static_cast<Eigen::Index>(a)];

@@ -45,6 +45,8 @@ class Pressure {
   void assemble(const FreeSurface& surface, Halo& halo, const Step& step);
   void begin(Halo& halo);
   void improve(Halo& halo, int more) { multigrid_.improve(halo, more); }
+  /// To be called before these two where bodies have moved: see EnclosedWater::balance().
+  void balance(const FreeSurface& surface, Halo& halo);
   /// Exchanges what displacement() needs before finish().
   void show(const FreeSurface& surface, Halo& halo);
   void finish(const FreeSurface& surface, Halo& halo);
@@ -97,8 +99,8 @@ class Pressure {
   void set_hydrostatic_guess(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r);
 
   const EnclosedWater* enclosed_ = nullptr;  // that of the surface, since assemble()
-  // The largest phi of each piece of water without a surface, m²: the pressure is 0 at the upper face of that cell, or
-  // beside a floating body that of water at rest.
+  // The largest phi of each piece of water without a surface, m²: the pressure is 0 at the upper face of that cell.
+  // Beside a floating body it is the mean phi, that of water at rest.
   std::vector<Real> origins_;
   bool among_solids_ = false;
   std::vector<Inflow> inflow_;
