@@ -171,23 +171,15 @@ bool Pressure::stands_on_floor(const FreeSurface& surface, const Openings::Gain&
   return true;
 }
 
-// The divergence of a cell that a solid cuts, less the inflow that it has room for. The divergence counts the cell as
-// if it were full; water that arrived there was therefore stopped a cell in front of the solid, and gave a ball of 2.4
-// spacings up to four times its momentum, the more the shorter the step. What the weight alone would bring in a step is
-// not left out, so that water at rest keeps its pressure. Under gravity a single particle keeps it, too: without it, it
-// gained energy as it slid down a slope.
+// The divergence of a cell beside a floating body, less the inflow that it has room for. The divergence counts the cell
+// as if it were full; water that arrived there was therefore stopped a cell in front of the body, and gave a ball
+// of 2.4 spacings up to four times its momentum, the more the shorter the step. What the weight alone would bring in a
+// step is not left out, so that water at rest keeps its pressure. Not beside obstacles: there closed faces stop the
+// particles of a cell as well, and the force on the obstacle would no longer be what the water loses.
 Real Pressure::without_filling(const FreeSurface& surface, const Step& step, std::size_t at, Real flow) const {
   const Real slow = -by_weight * step.g_dt2 / surface.grid().size()[2];
   if (flow >= slow || !surface.is_cut(at) || surface.is_solid(at) || enclosed_->holds(at)) return flow;
-  const auto held = [&](std::size_t beside) {
-    return surface.is_wet(beside) && !surface.is_solid(beside) ? surface.open(beside) * surface.fill(beside) : 0;
-  };
-  Real around = held(at);
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t face = surface.grid().step(a);
-    around += held(at - face) + held(at + face);
-  }
-  if (surface.upright() && around * step.particles < more_than_one) return flow;
+  if (!surface.cuts()->floats(at)) return flow;
   return std::min(flow + surface.open(at) * std::max(full_of_cut - surface.fill(at), 0.0), slow);
 }
 

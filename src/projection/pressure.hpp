@@ -33,12 +33,11 @@ class Pressure {
       : multigrid_(comm, repeats, Multigrid::few_cells, std::move(scratch)) {}
 
   /// Data of a step: the displacement by gravity g dt², m; the fraction of a cell's deviation from its volume that is
-  /// removed in the step, which without gravity depends on the distance that the water travels; the largest depth of
-  /// the water, in cells; and the number of particles in a full cell.
+  /// removed in the step, which without gravity depends on the distance that the water travels; and the largest depth
+  /// of the water, in cells.
   struct Step {
     Real g_dt2, return_fraction;
     int depth;
-    Real particles;
   };
   /// Assembles the equation, after which fills of cells are no longer needed; runs the first cycles; runs more cycles;
   /// and completes the pressure.

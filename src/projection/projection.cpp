@@ -70,11 +70,11 @@ void Projection::find(const CellOrder& order, Halo& halo, Real dt, const Motion&
   particles_to_grid_.give_back_volumes();
   grid_to_particles_.prepare(halo, {g_dt2, time});
   particles_to_grid_.keep_means();
-  const Real particles = grid_.size().prod() / (model_.spacing * model_.spacing * model_.spacing);
-  solve(order, halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth(), particles});
+  solve(order, halo, {g_dt2, std::min(1.0, time / projection::return_time), rows_.depth()});
   grid_to_particles_.find_rises(pressure_, halo);
   grid_to_particles_.find_mean_rises(pressure_);
   if (openings_ != nullptr) {
+    const Real particles = grid_.size().prod() / (model_.spacing * model_.spacing * model_.spacing);
     for (const Pressure::Inflow& one : pressure_.inflow()) {
       openings_->add_work(-particles * pressure_.phi(one.cell) * one.share, dt);
       if (one.out_of_wall != nullptr) openings_->come_through(grid_, *one.out_of_wall, one.path);

@@ -95,7 +95,7 @@ struct Stages {
   }
   void solve(Real g_dt2) {
     transfer.keep_means();
-    pressure.assemble(*surface, water.near.halo(), {g_dt2, 0, rows.depth(), 8});
+    pressure.assemble(*surface, water.near.halo(), {g_dt2, 0, rows.depth()});
     pressure.begin(water.near.halo());
     pressure.finish(*surface, water.near.halo());
   }
