@@ -156,6 +156,13 @@ def bodies():
                "" if row["expected"] == "nan" else row["expected"], row["measured"]]
 
 
+def plane_bodies():
+    yield ["case", "quantity", "expected", "measured"]
+    for row in rows_of("plane_bodies"):
+        number = lambda text: "" if text == "nan" else text if re.fullmatch(r"-?\d+", text) else fixed(text, 4)
+        yield [row["case"], row["quantity"], number(row["expected"]), number(row["measured"])]
+
+
 def planes(kind, heads):
     """Rows of two_dimensions.csv of a kind, each with columns (head, name, how it is written)."""
     yield ["case", "dimensions", "particles", *(head for head, _, _ in heads), "CPU s a second"]
@@ -205,7 +212,7 @@ def shapes():
 
 TABLES = {name: lambda name=name: planes(*PLANES[name]) for name in PLANES} | {
     "paddles": paddles, "plates": lambda: flow(["plates", "pipe"]), "cylinders": lambda: flow(["cylinders"]), "vortices": vortices,
-    "frames": frames, "channels": channels, "ducts": ducts, "currents": currents, "bodies": bodies, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
+    "frames": frames, "channels": channels, "ducts": ducts, "currents": currents, "bodies": bodies, "plane_bodies": plane_bodies, "pools": pools, "waves": waves, "surfaces": surfaces, "vessels": vessels,
     "leaks": leaks, "full_vessels": full_vessels, "scaling_shapes": shapes}
 
 
