@@ -344,7 +344,10 @@ CellDisplacement GridToParticles::between_faces(const Pressure& pressure, LocalI
   Faces faces;
   for (std::size_t a = 0; a < 3; ++a) faces[a] = faces_of(pressure, a, k, r, above && a < 2 ? c - 1 : c);
   const std::size_t cell = above ? at - 1 : at;
-  if (surface_.is_cut(cell)) slip(cell, at, faces);
+  if (surface_.is_cut(cell)) {
+    slip(cell, at, faces);
+    let_in(pressure.filling().share(k, r, above ? c - 1 : c), faces);
+  }
   for (std::size_t a = 0; a < 3; ++a) {
     by.low[grid.axis(a)] = faces[a].low;
     by.rise[grid.axis(a)] = faces[a].high - faces[a].low;

@@ -108,6 +108,7 @@ class GridToParticles {
   std::optional<SolidSurface> solid_surface(std::size_t at, std::size_t own, const Faces& faces,
                                             const Vec3& pushed) const;
   void slip(std::size_t at, std::size_t own, Faces& faces) const;
+  static void let_in(Real share, Faces& faces);
   void pull_back_beyond_weight(std::size_t cell, CellDisplacement& by) const;
   bool is_water(std::size_t at) const { return surface_.is_wet(at) && !surface_.is_solid(at); }
   std::array<Real, 3> mean_path(std::size_t at) const;

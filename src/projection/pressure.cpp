@@ -10,6 +10,7 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   enclosed_ = &surface.enclosed();
   among_solids_ = surface.cuts() != nullptr;
   const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
+  filling_.reset(grid);
   multigrid_.resize(halo.cuts(), grid.count(1), grid.columns(), step.depth);
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
     multigrid_.finest().use_columns(k, r, static_cast<std::size_t>(grid.columns(k, r)));
@@ -54,8 +55,10 @@ void Pressure::finish(const FreeSurface& surface, Halo& halo) {
   multigrid_.give_back_all_but_phi();
   if (enclosed_->any()) enclosed_->set_origins(surface, halo, multigrid_.finest().phi, origins_);
   for_each_row(grid.rows_of({0, grid.planes() + 2}), [&](LocalId k, LocalId r) {
-    Real* phi = &multigrid_.finest().phi[grid.index(k, r, 0)];
-    for (LocalId c = 0; c < grid.columns(k, r); ++c) phi[c] = std::min(phi[c], 0.0);
+    for (LocalId c = 0; c < grid.columns(k, r); ++c) {
+      const std::size_t at = grid.index(k, r, c);
+      multigrid_.finest().phi[at] = phi_so_far(at);
+    }
   });
   grid.complete(halo, multigrid_.finest().phi);
 }
@@ -100,7 +103,9 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
       cells.dirichlet[at] += stiffness[static_cast<Eigen::Index>(a)] * (low + high);
     }
     const Real flow = divergence(surface, at, c >= moved.begin && c < moved.end);
-    cells.rhs[at] = without_filling(surface, step, at, flow) - returned(surface, step, k, r, c);
+    const bool closed = enclosed_->holds(at);
+    cells.rhs[at] = (closed ? flow : filling_.without_filling(surface, step.g_dt2, k, r, c, flow)) -
+                    returned(surface, step, k, r, c);
   }
 }
 
@@ -169,18 +174,6 @@ bool Pressure::stands_on_floor(const FreeSurface& surface, const Openings::Gain&
     if (!surface.is_wet(at)) return surface.is_solid(at);
   }
   return true;
-}
-
-// The divergence of a cell beside a floating body, less the inflow that it has room for. The divergence counts the cell
-// as if it were full; water that arrived there was therefore stopped a cell in front of the body, and gave a ball
-// of 2.4 spacings up to four times its momentum, the more the shorter the step. What the weight alone would bring in a
-// step is not left out, so that water at rest keeps its pressure. Not beside obstacles: there closed faces stop the
-// particles of a cell as well, and the force on the obstacle would no longer be what the water loses.
-Real Pressure::without_filling(const FreeSurface& surface, const Step& step, std::size_t at, Real flow) const {
-  const Real slow = -by_weight * step.g_dt2 / surface.grid().size()[2];
-  if (flow >= slow || !surface.is_cut(at) || surface.is_solid(at) || enclosed_->holds(at)) return flow;
-  if (!surface.cuts()->floats(at)) return flow;
-  return std::min(flow + surface.open(at) * std::max(full_of_cut - surface.fill(at), 0.0), slow);
 }
 
 // A top cell returns to its volume only as far as there is water above it that could fill it, and cells at any other

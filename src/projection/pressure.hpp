@@ -23,7 +23,7 @@
 #pragma once
 
 #include "multigrid/multigrid.hpp"
-#include "projection/free_surface.hpp"
+#include "projection/filling_cells.hpp"
 
 namespace trevi {
 
@@ -66,6 +66,9 @@ class Pressure {
            surface.resistance(a, at);
   }
 
+  /// Since assemble(): the cells that are not full.
+  const FillingCells& filling() const { return filling_; }
+
   /// phi of a cell, m².
   Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
   const Real* all_phi() const { return multigrid_.finest().phi.data(); }
@@ -77,10 +80,10 @@ class Pressure {
     const Openings::Gain* out_of_wall;  ///< if it does; otherwise null
   };
   const std::vector<Inflow>& inflow() const { return inflow_; }
-  /// phi as finish() would limit it, where water has a surface.
-  Real phi_so_far(std::size_t at) const { return std::min(phi(at), 0.0); }
+  /// phi as finish() will limit it: to at most 0, but not in water without a surface, which nothing can part.
+  Real phi_so_far(std::size_t at) const { return enclosed_->holds(at) ? phi(at) : std::min(phi(at), 0.0); }
 
-  std::size_t bytes() const { return multigrid_.bytes(); }
+  std::size_t bytes() const { return multigrid_.bytes() + filling_.bytes(); }
 
  private:
   void weigh_row(const FreeSurface& surface, LocalId k, LocalId r);
@@ -91,7 +94,6 @@ class Pressure {
   static bool stands_on_floor(const FreeSurface& surface, const Openings::Gain& gain);
   void drop_air_links(const FreeSurface& surface, LocalId k, LocalId r);
   Real divergence(const FreeSurface& surface, std::size_t at, bool moved) const;
-  Real without_filling(const FreeSurface& surface, const Step& step, std::size_t at, Real flow) const;
   Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;
   bool may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const;
   void guess_below(const FreeSurface& surface, Real step, std::size_t begin, std::size_t end);
@@ -102,6 +104,7 @@ class Pressure {
   // Beside a floating body it is the mean phi, that of water at rest.
   std::vector<Real> origins_;
   bool among_solids_ = false;
+  FillingCells filling_;
   std::vector<Inflow> inflow_;
   std::vector<EnclosedWater::Flow> through_walls_;  // into water without a surface
   // Its links first hold the weight of each face: the open fraction of its area, divided by the mass of the water there

@@ -125,13 +125,17 @@ TEST(Momenta, EachSolidInFlightTakesWhatItsWaterLoses) {
   };
   const std::array<Vec3, 2> before = momenta();
   std::array<Vec3, 2> taken{Vec3::Zero(), Vec3::Zero()};
+  Vec3 box = Vec3::Zero();
   for (int k = 0; k < 60; ++k) {
     run.steps(1);
     for (std::size_t n = 0; n < 2; ++n) taken[n] += run.forces.back()[n].force * run.scene.dt;
+    box += run.forces.back().back().force * run.scene.dt;
   }
+  std::printf("box %.3f %.3f %.3f\n", box.x(), box.y(), box.z());
   const std::array<Vec3, 2> after = momenta();
   for (std::size_t n = 0; n < 2; ++n) {
     const Real off = (taken[n] - before[n] + after[n]).norm(), lost = (before[n] - after[n]).norm();
+    std::printf("taken %.3f %.3f %.3f lost %.3f %.3f %.3f\n", taken[n].x(), taken[n].y(), taken[n].z(), (before[n] - after[n]).x(), (before[n] - after[n]).y(), (before[n] - after[n]).z());
     std::printf("taken over lost: %.4f, off by %.4f of it\n", taken[n].y() / (before[n] - after[n]).y(), off / lost);
     EXPECT_LT(off, 0.05 * lost) << n;
   }
