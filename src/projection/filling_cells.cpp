@@ -12,14 +12,16 @@ void FillingCells::reset(const ProjectionGrid& grid) {
   for (std::vector<Filling>& row : rows_) row.clear();
 }
 
-// What the weight alone would bring in a step is not left out, so that water at rest keeps its pressure.
+// What the weight alone brings in a step is not left out, so that water at rest keeps its pressure. Nor is it in the
+// top cells of open water, whose divergence tells how their level changes.
 Real FillingCells::without_filling(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r, LocalId c, Real flow) {
   const std::size_t at = surface.grid().index(k, r, c);
-  const Real slow = -by_weight * g_dt2 / surface.grid().size()[2];
-  if (flow >= slow || surface.is_solid(at) || (surface.is_top(at) && !surface.is_cut(at))) return flow;
+  const bool cut = surface.is_cut(at), at_rest = cut && !surface.cuts()->floats(at);
+  const Real slow = -(at_rest ? by_weight_at_rest : by_weight) * g_dt2 / surface.grid().size()[2];
+  if (flow >= slow || surface.is_solid(at) || (surface.is_top(at) && !cut)) return flow;
   const Real room = surface.open(at) * std::max(full_enough - surface.fill(at), 0.0);
   if (room == 0) return flow;
-  if (surface.is_cut(at)) rows_[row_index(k, r)].push_back({c, std::min(room / (slow - flow), 1.0)});
+  if (at_rest) rows_[row_index(k, r)].push_back({c, std::min(room / (slow - flow), 1.0)});
   return std::min(flow + room, slow);
 }
 

@@ -12,8 +12,8 @@ class FillingCells {
  public:
   /// Forgets what cells have taken in. With the planes and rows of the grid.
   void reset(const ProjectionGrid& grid);
-  /// The divergence of a wet cell, `flow`, less the inflow that it has room for, both as shares of the cell; `g_dt2`, m.
-  /// To be called for the cells of a row in ascending order.
+  /// The divergence of a wet cell, `flow`, less the inflow that it has room for, both as shares of the cell; `g_dt2`,
+  /// m. To be called for the cells of a row in ascending order.
   Real without_filling(const FreeSurface& surface, Real g_dt2, LocalId k, LocalId r, LocalId c, Real flow);
   /// The share, from 0 to 1, of the water that arrives in a cell that a solid cuts for which there is room.
   Real share(LocalId k, LocalId r, LocalId c) const;

@@ -98,7 +98,7 @@ constexpr Real min_side = 0.3;
 /// over that of a cell whose floor is closed, which is not taken in. A ball of 400 kg/m³ and 2.4 spacings radius, which
 /// a cube of water meets at 2 m/s, gets 1.52, 1.56, 1.52 m/s at 1/60, 1/240, 1/960 s (2.09, 3.11, 3.91 without; the
 /// ball that flies into the water 1.33 to 1.36).
-constexpr Real full_enough = 0.9, by_weight = 1.05;
+constexpr Real full_enough = 0.9, by_weight = 1.05, by_weight_at_rest = 2;
 /// Fill of a cell, by particles whose centre is in it, from which on it counts for the depth, and from which on it has
 /// a free surface in or above it. A sheet on a solid may be as thin as one on the floor.
 constexpr Real deep_fill = 0.2, surface_fill = 0.4;

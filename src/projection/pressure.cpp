@@ -103,8 +103,8 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
       cells.dirichlet[at] += stiffness[static_cast<Eigen::Index>(a)] * (low + high);
     }
     const Real flow = divergence(surface, at, c >= moved.begin && c < moved.end);
-    const bool closed = enclosed_->holds(at);
-    cells.rhs[at] = (closed ? flow : filling_.without_filling(surface, step.g_dt2, k, r, c, flow)) -
+    const bool may_fill = !enclosed_->holds(at) && (surface.is_cut(at) || may_swell(surface, k, r, c));
+    cells.rhs[at] = (may_fill ? filling_.without_filling(surface, step.g_dt2, k, r, c, flow) : flow) -
                     returned(surface, step, k, r, c);
   }
 }

@@ -110,6 +110,13 @@ class ReferencePressure : public ReferenceParticlesToGrid {
     return sum;
   }
 
+  // A cell beside air that is not full takes in water without resisting it, unless the surface is in it. What the
+  // weight would bring in a step is not taken in.
+  Real without_filling(const Cell& c, Real flow) const {
+    const Real slow = -1.05 * g_dt2_ / size_.z(), room = std::max(0.9 - (*fill_)[c], 0.0);
+    return closed_ || !may_swell(c) || is_top(c) || flow >= slow ? flow : std::min(flow + room, slow);
+  }
+
   // Nothing pulls where air is beside a cell or below it, or, without gravity, above it.
   bool may_swell(const Cell& c) const {
     for (int a = 0; a < 3; ++a) {
@@ -179,7 +186,7 @@ class ReferencePressure : public ReferenceParticlesToGrid {
     for (Eigen::Index i = 0; i < phi.size(); ++i) {
       const Cell& c = level.cells[static_cast<std::size_t>(i)];
       phi[i] = (*phi_)[c];
-      right[i] = divergence(c) - returned(c, return_fraction);
+      right[i] = without_filling(c, divergence(c)) - returned(c, return_fraction);
     }
     ReferenceMultigrid(cells_, depth(), closed_).solve(level, phi, right, closed_ ? 6 : 3);
     const Real origin = closed_ && phi.size() > 0 ? phi.maxCoeff() : 0;
