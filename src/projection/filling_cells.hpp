@@ -1,7 +1,7 @@
-// Part of assemble: cells that are not full take in water that arrives. The divergence of a wet cell counts its faces
-// as if it were full. Water that flew towards a solid was therefore stopped a cell in front of it: a ball of 2.4
-// spacings at rest got up to 2.5 times the momentum that it gives to the same water when it flies into it. Not
-// collective; on any thread for rows.
+// Part of assemble: cells beside air, and cells that solids cut, take in water that arrives until they are full. The
+// divergence of a wet cell counts its faces as if it were full. Water that flew towards a solid was therefore stopped a
+// cell in front of it: a fixed ball of 2.4 spacings got up to 2.4 times the impulse of one that moves into the same
+// water. Not collective; on any thread for rows.
 #pragma once
 
 #include "projection/free_surface.hpp"
