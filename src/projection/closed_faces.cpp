@@ -1,28 +1,19 @@
 #include "projection/closed_faces.hpp"
 
-#include <algorithm>
 #include <cassert>
 
 namespace trevi {
 
 void ClosedFaces::find(const FreeSurface& surface) {
   const ProjectionGrid& grid = surface.grid();
-  rows_of_plane_ = grid.rows();
-  rows_.resize(row_index(grid.planes() + 1, 0));
+  rows_.resize(grid);
   for_each_row(grid.rows_of({1, grid.planes() + 1}), [&](LocalId k, LocalId r) { find_in_row(surface, k, r); });
-}
-
-std::size_t ClosedFaces::bytes() const {
-  std::size_t sum = rows_.capacity() * sizeof(rows_[0]);
-  for (const std::vector<Known>& row : rows_) sum += row.capacity() * sizeof(Known);
-  return sum;
 }
 
 void ClosedFaces::find_in_row(const FreeSurface& surface, LocalId k, LocalId r) {
   const ProjectionGrid& grid = surface.grid();
   const ParticlesToGrid& water = surface.water();
-  std::vector<Known>& known = rows_[row_index(k, r)];
-  known.clear();
+  std::vector<SparseRows::Entry>& known = rows_.begin_row(k, r);
   const LocalId columns = grid.columns(k, r);
   // Columns in which solids or drains may close a face; elsewhere only walls do.
   const Range near = surface.openings() != nullptr ? Range{0, columns}
@@ -44,12 +35,9 @@ void ClosedFaces::find_in_row(const FreeSurface& surface, LocalId k, LocalId r) 
 }
 
 Real ClosedFaces::displacement(const CellFace& face, LocalId k, LocalId r, LocalId c) const {
-  const std::vector<Known>& row = rows_[row_index(k, r)];
-  const std::uint32_t number = number_of(face, c);
-  const auto known = std::lower_bound(row.begin(), row.end(), number,
-                                      [](const Known& one, std::uint32_t of) { return one.number < of; });
-  assert(known != row.end() && known->number == number);
-  return known->displacement;
+  const Real* const known = rows_.find(k, r, number_of(face, c));
+  assert(known != nullptr);
+  return *known;
 }
 
 }  // namespace trevi

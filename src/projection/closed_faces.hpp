@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "projection/free_surface.hpp"
+#include "projection/sparse_rows.hpp"
 
 namespace trevi {
 
@@ -16,23 +17,15 @@ class ClosedFaces {
   void find(const FreeSurface& surface);
   /// The displacement of the water at such a face, m.
   Real displacement(const CellFace& face, LocalId k, LocalId r, LocalId c) const;
-  std::size_t bytes() const;
+  std::size_t bytes() const { return rows_.bytes(); }
 
  private:
-  struct Known {
-    std::uint32_t number;  // of the face in its row
-    Real displacement;
-  };
   static std::uint32_t number_of(const CellFace& face, LocalId c) {
     return static_cast<std::uint32_t>(c) * 6 + static_cast<std::uint32_t>(2 * face.a) + (face.upper ? 1 : 0);
   }
-  std::size_t row_index(LocalId k, LocalId r) const {
-    return static_cast<std::size_t>(k - 1) * static_cast<std::size_t>(rows_of_plane_) + static_cast<std::size_t>(r);
-  }
   void find_in_row(const FreeSurface& surface, LocalId k, LocalId r);
 
-  LocalId rows_of_plane_ = 0;
-  std::vector<std::vector<Known>> rows_;  // in the order of their numbers
+  SparseRows rows_;
 };
 
 }  // namespace trevi

@@ -252,7 +252,8 @@ void EnclosedWater::set_origins(const FreeSurface& surface, Halo& halo, Borrowed
                                 std::span<const Real> origins) const {
   if (all_) return set_common_origin(surface, halo.comm(), phi, origins[0]);
   const std::vector<Real> most = largest_of_parts(halo.comm(), phi);
-  const std::vector<Real> means = means_of_parts(surface, halo.comm(), phi, unit_of_phi(surface), INFINITY);
+  std::vector<Real> means;
+  if (surface.cuts()->any_floats()) means = means_of_parts(surface, halo.comm(), phi, unit_of_phi(surface), INFINITY);
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const std::size_t part = part_of_[i];
     phi[cells_[i]] -= (has_body(part) ? means[part] : most[part]) - origins[part];
@@ -263,6 +264,7 @@ void EnclosedWater::set_origins(const FreeSurface& surface, Halo& halo, Borrowed
 std::vector<Real> EnclosedWater::origins(const FreeSurface& surface, MPI_Comm comm, const Borrowed<Real>& phi,
                                          Real largest) const {
   if (all_) return {largest};
+  if (!surface.cuts()->any_floats()) return std::vector<Real>(parts_.size(), largest);
   std::vector<Real> found = means_of_parts(surface, comm, phi, unit_of_phi(surface), 0);
   for (std::size_t k = 0; k < parts_.size(); ++k)
     if (!has_body(k) || found[k] == 0) found[k] = largest;

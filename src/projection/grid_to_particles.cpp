@@ -346,7 +346,7 @@ CellDisplacement GridToParticles::between_faces(const Pressure& pressure, LocalI
   const std::size_t cell = above ? at - 1 : at;
   if (surface_.is_cut(cell)) {
     slip(cell, at, faces);
-    let_in(pressure.filling().share(k, r, above ? c - 1 : c), faces);
+    let_in(pressure.taken_in(k, r, above ? c - 1 : c), faces);
   }
   for (std::size_t a = 0; a < 3; ++a) {
     by.low[grid.axis(a)] = faces[a].low;

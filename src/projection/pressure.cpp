@@ -10,7 +10,7 @@ void Pressure::assemble(const FreeSurface& surface, Halo& halo, const Step& step
   enclosed_ = &surface.enclosed();
   among_solids_ = surface.cuts() != nullptr;
   const Range own{1, planes + 1}, own_and_above{1, planes + 2}, all{0, planes + 2};
-  filling_.reset(grid);
+  if (among_solids_) taken_in_.resize(grid);
   multigrid_.resize(halo.cuts(), grid.count(1), grid.columns(), step.depth);
   for_each_row(grid.rows_of(all), [&](LocalId k, LocalId r) {
     multigrid_.finest().use_columns(k, r, static_cast<std::size_t>(grid.columns(k, r)));
@@ -92,6 +92,7 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
   MultigridLevel& cells = multigrid_.finest();
   const Vec3 stiffness = grid.size().cwiseProduct(grid.size()).cwiseInverse();
   const Range moved = is_anything_moved(surface) ? surface.cuts()->cut_columns(k, r) : Range{0, 0};
+  std::vector<SparseRows::Entry>* const taken_in = among_solids_ ? &taken_in_.begin_row(k, r) : nullptr;
   for (LocalId c = 0; c < grid.columns(k, r); ++c) {
     const std::size_t at = grid.index(k, r, c);
     cells.rhs[at] = cells.dirichlet[at] = 0;
@@ -102,10 +103,11 @@ void Pressure::find_sources(const FreeSurface& surface, const Step& step, LocalI
       const Real high = surface.is_wet(at + face) ? 0 : cells.link[a][at + face];
       cells.dirichlet[at] += stiffness[static_cast<Eigen::Index>(a)] * (low + high);
     }
-    const Real flow = divergence(surface, at, c >= moved.begin && c < moved.end);
-    const bool may_fill = !enclosed_->holds(at) && (surface.is_cut(at) || may_swell(surface, k, r, c));
-    cells.rhs[at] = (may_fill ? filling_.without_filling(surface, step.g_dt2, k, r, c, flow) : flow) -
-                    returned(surface, step, k, r, c);
+    Filling filling{divergence(surface, at, c >= moved.begin && c < moved.end), 0};
+    if (surface.fill(at) < full_enough && !enclosed_->holds(at) && (surface.is_cut(at) || may_swell(surface, k, r, c)))
+      filling = without_filling(surface, step, at, filling.flow);
+    if (filling.share > 0) taken_in->push_back({static_cast<std::uint32_t>(c), filling.share});
+    cells.rhs[at] = filling.flow - returned(surface, step, k, r, c);
   }
 }
 
@@ -174,6 +176,19 @@ bool Pressure::stands_on_floor(const FreeSurface& surface, const Openings::Gain&
     if (!surface.is_wet(at)) return surface.is_solid(at);
   }
   return true;
+}
+
+// The divergence of a wet cell beside air, or of one that a solid cuts, less the inflow that it has room for. The
+// divergence counts the cell as if it were full, and water that flew towards a solid was stopped a cell in front of it:
+// a fixed ball of 2.4 spacings got up to 2.4 times the impulse of one that moves into the same water. What the weight
+// alone brings in a step is not left out, so that water at rest keeps its pressure. Nor is it in the top cells of open
+// water, whose divergence tells how their level changes. What an obstacle's cell takes in meets the obstacle itself.
+Pressure::Filling Pressure::without_filling(const FreeSurface& surface, const Step& step, std::size_t at, Real flow) {
+  const bool cut = surface.is_cut(at), of_obstacle = cut && !surface.cuts()->floats(at);
+  const Real slow = -(of_obstacle ? by_weight_at_rest : by_weight) * step.g_dt2 / surface.grid().size()[2];
+  if (flow >= slow || (surface.is_top(at) && !cut)) return {flow, 0};
+  const Real room = surface.open(at) * (full_enough - surface.fill(at));
+  return {std::min(flow + room, slow), of_obstacle ? std::min(room / (slow - flow), 1.0) : 0};
 }
 
 // A top cell returns to its volume only as far as there is water above it that could fill it, and cells at any other

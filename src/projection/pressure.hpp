@@ -23,7 +23,8 @@
 #pragma once
 
 #include "multigrid/multigrid.hpp"
-#include "projection/filling_cells.hpp"
+#include "projection/free_surface.hpp"
+#include "projection/sparse_rows.hpp"
 
 namespace trevi {
 
@@ -66,8 +67,11 @@ class Pressure {
            surface.resistance(a, at);
   }
 
-  /// Since assemble(): the cells that are not full.
-  const FillingCells& filling() const { return filling_; }
+  /// The share, from 0 to 1, of what arrives in a cell that an obstacle cuts for which it has room.
+  Real taken_in(LocalId k, LocalId r, LocalId c) const {
+    const Real* const share = taken_in_.find(k, r, static_cast<std::uint32_t>(c));
+    return share != nullptr ? *share : 0;
+  }
 
   /// phi of a cell, m².
   Real phi(std::size_t at) const { return multigrid_.finest().phi[at]; }
@@ -83,7 +87,7 @@ class Pressure {
   /// phi as finish() will limit it: to at most 0, but not in water without a surface, which nothing can part.
   Real phi_so_far(std::size_t at) const { return enclosed_->holds(at) ? phi(at) : std::min(phi(at), 0.0); }
 
-  std::size_t bytes() const { return multigrid_.bytes() + filling_.bytes(); }
+  std::size_t bytes() const { return multigrid_.bytes() + taken_in_.bytes(); }
 
  private:
   void weigh_row(const FreeSurface& surface, LocalId k, LocalId r);
@@ -94,6 +98,10 @@ class Pressure {
   static bool stands_on_floor(const FreeSurface& surface, const Openings::Gain& gain);
   void drop_air_links(const FreeSurface& surface, LocalId k, LocalId r);
   Real divergence(const FreeSurface& surface, std::size_t at, bool moved) const;
+  struct Filling {
+    Real flow, share;  // what the cell resists; the share of what arrives that it takes in
+  };
+  static Filling without_filling(const FreeSurface& surface, const Step& step, std::size_t at, Real flow);
   Real returned(const FreeSurface& surface, const Step& step, LocalId k, LocalId r, LocalId c) const;
   bool may_swell(const FreeSurface& surface, LocalId k, LocalId r, LocalId c) const;
   void guess_below(const FreeSurface& surface, Real step, std::size_t begin, std::size_t end);
@@ -104,7 +112,7 @@ class Pressure {
   // Beside a floating body it is the mean phi, that of water at rest.
   std::vector<Real> origins_;
   bool among_solids_ = false;
-  FillingCells filling_;
+  SparseRows taken_in_;
   std::vector<Inflow> inflow_;
   std::vector<EnclosedWater::Flow> through_walls_;  // into water without a surface
   // Its links first hold the weight of each face: the open fraction of its area, divided by the mass of the water there
